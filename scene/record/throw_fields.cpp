@@ -144,8 +144,8 @@ std::vector<TableField<ThrowRow>> throw_fields() {
               "axis",
               [](const Row& r) { return maybe(r.entry_angle_deg); }},
              {"felled_by_ball", "whole", "",
-              "skittles that the ball knocked down: in a game until it was counted, else until the "
-              "next throw",
+              "skittles that the ball knocked down, not as a stray ball: in a game until it was "
+              "counted, else until the next throw",
               [](const Row& r) { return maybe(r.felled_by_ball); }},
              {"felled_by_hand", "whole", "",
               "skittles that the hand, or what it carried, knocked down in this time",
