@@ -83,6 +83,34 @@ test('the score board has the text of the tick, as the eyes see it', async () =>
   await page.context().close();
 });
 
+test('rings of oil come one by one, and stay on their ball', async () => {
+  headpin('replay', demo, '--set', 'ball.rings=true', '-o', 'rings.lcmlog');
+  headpin('report', 'rings.lcmlog', '-o', 'rings.html');
+  const { page } = await open(browser, 'rings.html');
+  const ringsAt = async (tick) => {
+    await drawnAt(page, tick);
+    return page.evaluate(() => {
+      const { cast, trial, tick: now } = window.headpin.view;
+      const [ball] = trial.actors('ball');
+      const { group } = cast.rings;
+      const p = trial.pose(ball, now, new Float32Array(7)).slice(4);
+      const seen = group.children.filter(({ visible }) => visible);
+      return {
+        count: seen.length,
+        widest: Math.max(0, ...seen.map(({ scale }) => scale.x)),
+        off: Math.hypot(group.position.x - p[0], group.position.y - p[1], group.position.z - p[2]),
+      };
+    });
+  };
+  const release = JSON.parse(headpin('info', 'rings.lcmlog', '--json')).events.find(({ kind }) => kind === 'release').tick;
+  assert.equal((await ringsAt(release)).count, 0);
+  const [early, late] = [await ringsAt(release + 150), await ringsAt(1682)];
+  assert.ok(early.count > 0 && late.count > early.count, `${early.count}, then ${late.count}`);
+  assert.ok(late.off < 1e-6 && late.widest > 0.1 && late.widest < 0.109, JSON.stringify(late));
+  assert.equal((await ringsAt(release + 150)).count, early.count);
+  await page.context().close();
+});
+
 test('every tick is reached by keys', async () => {
   const { page } = await open(browser, 'game.html');
   const tick = () => page.evaluate(() => window.headpin.clock.tick);
