@@ -79,7 +79,7 @@ Quat turned_ahead(const Vec3& ahead) {
 }
 
 constexpr Time kApart{1'500'000};  // longer than back swing to throw, shorter than between throws
-constexpr Time kFollowThrough{1'000'000};
+constexpr Time kSwingsOn{1'000'000};
 
 /// The samples at which a hand is fastest in each of its throws.
 std::vector<std::size_t> throw_peaks(const MotionRecording& r, Side side) {
@@ -107,7 +107,7 @@ std::pair<std::size_t, std::size_t> between_gaps(const std::vector<Time>& times,
   for (std::size_t i = begin + 1; i < end; ++i) {
     if (seconds(times[i] - times[i - 1]) <= kLongestGap) continue;
     if (times[i] <= peak - kApart) begin = i;
-    if (times[i - 1] >= peak + kFollowThrough) return {begin, i};
+    if (times[i - 1] >= peak + kSwingsOn) return {begin, i};
   }
   return {begin, end};
 }
@@ -188,7 +188,7 @@ std::vector<MotionRecording> split_throws(const MotionRecording& r, Side side) {
     if (k + 1 < peaks.size()) {
       // The follow-through belongs to this throw, the way back to the ball to both.
       const Time next = r.times[peaks[k + 1]];
-      const Time follows = peak + std::min(kFollowThrough, (next - peak) / 2);
+      const Time follows = peak + std::min(kSwingsOn, (next - peak) / 2);
       next_begin = first_after(follows);
       end = first_after(std::max(follows, next - kApart));
     }
