@@ -179,6 +179,7 @@ void bring_balls_back(const Field& f) {
   for (const engine::BodyId ball : f.stage.balls) {
     if (f.world.bodies[ball].kind != engine::Kind::free) continue;  // on its stand or carried
     put_back(f, ball);
+    f.game.stray[ball] = 0;
     Event back = event(f, kind::ball_back, {ball});
     back.p_W = f.world.states[ball].X_WB.p;
     f.events.push_back(std::move(back));

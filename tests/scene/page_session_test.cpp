@@ -163,6 +163,7 @@ TEST(BrowserDevice, TheTrackedSpaceStandsUprightBehindTheFoulLine) {
 TEST(PageSession, TellsTheRingsOfOilOfTheLastThrow) {
   Scenario scenario;
   scenario.ball.rings = true;
+  scenario.hand.spin = Vec3(60.0, 0.0, 0.0);
   PageSession session(to_toml(scenario), options_of("mouse"));
   const nlohmann::json before = session.take_news();
   EXPECT_TRUE(before.is_null() || before["rings"]["each"].empty());

@@ -203,7 +203,7 @@ TEST(Referee, ABallThatReachesTheSkittlesIsNotStray) {
     EXPECT_TRUE(play.of_kind(kind::set_again).empty());
     EXPECT_GT(play.of_kind(kind::delivery).front()->value, 0.0);
   };
-  fallen_and_counted({half + 0.1, -0.4, low}, {-(half + 0.1) * 8.0 / 6.4, 8.0, 0.0});
+  fallen_and_counted({half + 0.02, -1.0, low}, {-(half + 0.02) * 8.0 / 7.0, 8.0, 0.0});
   fallen_and_counted({half + 0.1, 4.0, 0.4}, {-(half + 0.1) * 8.0 / 2.0, 8.0, 0.0});
   fallen_and_counted({0.0, 4.5, low}, {0.6, 8.0, 0.0});
 }
