@@ -84,7 +84,7 @@ test('the score board has the text of the tick, as the eyes see it', async () =>
 });
 
 test('rings of oil come one by one, and stay on their ball', async () => {
-  headpin('replay', demo, '--set', 'ball.rings=true', '--set', 'hand.spin=[60, 0, 0]', '-o', 'rings.lcmlog');
+  headpin('replay', demo, '--elasticity', '0', '--set', 'ball.rings=true', '--set', 'hand.spin=[60, 0, 0]', '-o', 'rings.lcmlog');
   headpin('report', 'rings.lcmlog', '-o', 'rings.html');
   const { page } = await open(browser, 'rings.html');
   const ringsAt = async (tick) => {
