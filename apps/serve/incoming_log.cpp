@@ -14,7 +14,8 @@ namespace headpin::apps {
 IncomingLog::IncomingLog(const std::string& path) : file_(path, {.live = true, .regular = true}) {}
 
 std::int64_t IncomingLog::size() {
-  return size_ = std::min(size_, file_.length());
+  if (!closed_) size_ = std::min(size_, file_.length());
+  return size_;
 }
 
 std::span<const std::uint8_t> IncomingLog::add(std::int64_t at,
@@ -61,6 +62,7 @@ void IncomingLog::require_same(std::int64_t at, std::span<const std::uint8_t> pi
 void IncomingLog::close() {
   file_.require_kept(size_);
   file_.commit();
+  closed_ = true;
 }
 
 }  // namespace headpin::apps

@@ -44,6 +44,7 @@ class IncomingLog {
   base::OutputFile file_;
   std::int64_t size_ = 0;     ///< without what was truncated
   std::int64_t longest_ = 0;  ///< that it ever was
+  bool closed_ = false;
   std::chrono::steady_clock::time_point synced_ = std::chrono::steady_clock::now();
 };
 
