@@ -55,9 +55,10 @@ std::string name_of(const BidsSession& session, const std::string& system, const
   return fmt::format("{}_tracksys-{}_run-{}_{}", stem(session), system, session.run, what);
 }
 
-/// "head", "hand", "station3"
+/// "head", "hand", "lefthand", "station4"
 std::string system_of(std::int32_t station) {
   if (station == devices::kHeadStation) return "head";
+  if (station == devices::kLeftHandStation) return "lefthand";
   return station == devices::kHandStation ? "hand" : fmt::format("station{}", station);
 }
 
@@ -311,7 +312,7 @@ std::string bids_readme(const Design& design, const std::vector<Person>& people)
   return fmt::format(
       "{}\n\nTwo games of bowling at skittles in a virtual room a participant, between which one "
       "parameter of the collisions changes.\n{}"
-      "tracksys-head and tracksys-hand are what the tracker measured, tracksys-simulated is what "
+      "tracksys-head and tracksys-hand (tracksys-lefthand of a left-handed one) are what the tracker measured, tracksys-simulated is what "
       "the simulation made of it. The events have the buttons among them. sourcedata/, where it "
       "is, "
       "holds the trials themselves, which headpin replays to the bit.\n",

@@ -131,10 +131,11 @@ std::int32_t station_in(const std::string& name) {
   const std::string system = name.substr(begin, name.find('_', begin) - begin);
   if (system == "head") return devices::kHeadStation;
   if (system == "hand") return devices::kHandStation;
+  if (system == "lefthand") return devices::kLeftHandStation;
   const auto station = system.starts_with("station") ? whole_in(system.substr(7)) : std::nullopt;
   if (station) return *station;
   throw std::invalid_argument(fmt::format(
-      "{}: expected a tracking system called head, hand or station and a number", name));
+      "{}: expected a tracking system called head, hand, lefthand or station and a number", name));
 }
 
 scene::TrialHeader header_of(const nlohmann::json& trial) {

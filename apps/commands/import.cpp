@@ -110,6 +110,13 @@ Thrown read_thrown(const ImportOptions& options, const scene::Hand& hand) {
   return thrown;
 }
 
+/// The file, in messages; of one of its throws also where its times begin.
+std::string name_of(const ImportOptions& options, const Thrown& thrown) {
+  if (!options.which) return options.file;
+  return fmt::format("{}, throw {} (0 s is {:.3f} s in the file)", options.file, *options.which,
+                     nearest_seconds(thrown.recording.start));
+}
+
 /// What to know about a recording that is imported anyway.
 std::vector<std::string> doubts_about(const Thrown& thrown, const scene::Throw& found,
                                       const scene::Scenario& base) {
@@ -138,7 +145,7 @@ std::vector<std::string> doubts_about(const Thrown& thrown, const scene::Throw& 
 void say_doubts(const ImportOptions& options, const Thrown& thrown,
                 const std::vector<std::string>& doubts) {
   for (const std::string& one : doubts) {
-    say("headpin import: {}: {}\n", printable(options.file), printable(one));
+    say("headpin import: {}: {}\n", printable(name_of(options, thrown)), printable(one));
   }
   if (thrown.throws > 1 && !options.which) {
     say("headpin import: {}: has {} throws; the fastest is used; --throw N chooses another\n",
@@ -190,14 +197,15 @@ std::vector<scene::Event> found_events(const devices::MotionRecording& recording
 
 /// Refuses a recording that is no throw, and names the options that would make it one.
 void require_throw(const ImportOptions& options, const Thrown& thrown, const scene::Hand& hand) {
-  std::string name = options.file;
-  if (options.which) {
-    name += fmt::format(", throw {}, which begins at {:.3f} s", *options.which,
-                        nearest_seconds(thrown.recording.start));
-  }
   try {
-    scene::require_throw(thrown.recording, hand, name, thrown.side);
+    scene::require_throw(thrown.recording, hand, name_of(options, thrown), thrown.side);
   } catch (const scene::NoThrow& error) {
+    const bool gap = std::string_view(error.what()).find("no samples for") != std::string::npos;
+    if (gap && !options.which) {
+      throw std::runtime_error(fmt::format(
+          "{}; --throw N takes one of its throws ({}), without what is beyond a gap around it",
+          error.what(), thrown.throws));
+    }
     if (!error.would_be) throw;
     throw std::runtime_error(fmt::format(
         "{}: {}", error.what(), options_between(thrown.recording.reading, *error.would_be)));

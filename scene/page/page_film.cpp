@@ -171,8 +171,8 @@ void Film::draw(const Session& session, const TickState* recorded) {
 /// Rings are added one by one, until the next throw.
 void Film::note_rings(const nlohmann::json& rings, std::size_t ball) {
   if (rings == rings_) return;
-  const auto same = std::ranges::mismatch(rings_, rings);
-  const bool more = ball == ringed_ && same.in1 == rings_.end();
+  const bool more = ball == ringed_ && rings_.size() <= rings.size() &&
+                    std::equal(rings_.begin(), rings_.end(), rings.begin());
   const std::size_t kept = more ? rings_.size() : 0;
   json added = json::array();
   for (std::size_t i = kept; i < rings.size(); ++i) added.push_back(rings[i]);

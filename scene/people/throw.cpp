@@ -176,7 +176,7 @@ Throw find_throw(const MotionRecording& r, const Hand& hand, Side side) {
 
 std::vector<MotionRecording> split_throws(const MotionRecording& r, Side side) {
   const std::vector<std::size_t> peaks = throw_peaks(r, side);
-  if (peaks.size() < 2) return {r};
+  if (peaks.empty()) return {r};
   const auto first_after = [&](Time time) {
     return static_cast<std::size_t>(std::ranges::upper_bound(r.times, time) - r.times.begin());
   };
@@ -193,7 +193,8 @@ std::vector<MotionRecording> split_throws(const MotionRecording& r, Side side) {
       end = first_after(std::max(follows, next - kApart));
     }
     const auto [from, to] = between_gaps(r.times, peak, begin, end);
-    all.push_back(samples_of(r, from, to));
+    const bool whole = from == 0 && to == r.times.size();
+    all.push_back(whole ? r : samples_of(r, from, to));
     begin = next_begin;
   }
   return all;

@@ -117,10 +117,11 @@ void note_fallen(Game& game, const Tick& tick) {
   }
 }
 
-/// Whether a ball lies beside the lane, not on the approach.
+/// Whether a ball lies beside the lane: not on the approach, nor beside the skittles.
 bool is_beside_lane(const RoomMeasures& room, double radius, const engine::State& ball) {
   const Vec3& p = ball.X_WB.p;
-  return p.y() > 0.0 && std::abs(p.x()) > 0.5 * room.lane_width && is_on_lane(radius, ball);
+  const bool before = p.y() > 0.0 && p.y() < room.head_pin;
+  return before && std::abs(p.x()) > 0.5 * room.lane_width && is_on_lane(radius, ball);
 }
 
 /// Whether a ball moves towards the player from behind the last row.

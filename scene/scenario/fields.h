@@ -247,11 +247,12 @@ void visit(V& v, GameRules& g) {
   v.field("hand_fells", g.hand_fells, kNames<HandFells>,
           "skittles that the hand, or what it carries, knocks down. apart: removed without "
           "counting; counted: counted for the ball");
-  v.field("stray_fells", g.stray_fells, kNames<StrayFells>,
-          "skittles that a stray ball knocks down: one that left the lane before it touched a "
-          "skittle, or that came back from behind the skittles. apart: set up again without "
-          "counting; counted: counted for the ball",
-          "USBC rules, illegal pinfall");
+  v.field(
+      "stray_fells", g.stray_fells, kNames<StrayFells>,
+      "skittles that a stray ball knocks down: one that left the lane before the skittles, or that "
+      "came back from behind them. apart: set up again without "
+      "counting; counted: counted for the ball",
+      "USBC rules, illegal pinfall");
   v.field("foul", g.foul, kNames<FoulBall>,
           "ball that is released beyond the foul line. note: there is a foul event, and the ball "
           "counts; zero: there is a foul event, and the ball counts 0; count: no event, and the "

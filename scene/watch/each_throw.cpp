@@ -92,7 +92,7 @@ std::vector<ThrowAlone> EachThrow::throws() const {
 nlohmann::json to_json(const std::vector<ThrowAlone>& throws) {
   const auto result = [](const ThrowResult& one) -> nlohmann::json {
     return {{"felled", optional_number(one.felled)},
-            {"skittles_down", one.skittles_down},
+            {"skittles_down", one.felled.value_or(one.skittles_down)},
             {"release_speed_mps", optional_number(one.release_speed)},
             {"impact_speed_mps", optional_number(one.impact_speed)}};
   };

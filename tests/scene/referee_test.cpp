@@ -206,6 +206,9 @@ TEST(Referee, ABallThatReachesTheSkittlesIsNotStray) {
   fallen_and_counted({half + 0.02, -1.0, low}, {-(half + 0.02) * 8.0 / 7.0, 8.0, 0.0});
   fallen_and_counted({half + 0.1, 4.0, 0.4}, {-(half + 0.1) * 8.0 / 2.0, 8.0, 0.0});
   fallen_and_counted({0.0, 4.5, low}, {0.6, 8.0, 0.0});
+  const Vec2 corner = scenario.rack.spots.back();  // a corner pin, met over the lane's edge
+  const Vec3 at_edge(half + 0.001, scenario.lane.head_pin + corner.y() - 0.4, low);
+  fallen_and_counted(at_edge, {-1.5, 8.0, 0.0});
 }
 
 TEST(Referee, ASkittleHeldAsTheBallIsCountedIsTheHandsAndStandsForTheNextFrame) {
