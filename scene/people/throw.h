@@ -46,7 +46,7 @@ Throw find_throw(const devices::MotionRecording& recording, const Hand& hand,
 /// Splits a recording into its throws. Each begins after the follow-through of the one before, or
 /// after a gap in the samples before its swing, and ends before the swing of the next, or at a gap
 /// after its follow-through: what lies between two throws is in both. The times of each begin at 0.
-/// A recording with one throw is returned unchanged.
+/// A recording with one throw and no such gap is returned unchanged.
 std::vector<devices::MotionRecording> split_throws(const devices::MotionRecording& recording,
                                                    Side side);
 

@@ -65,8 +65,8 @@ void note_velocities(Game& game, const engine::World& world);
 ///
 /// The cause of a fall is what set the skittle in motion: the last ball or hand that touched it, or
 /// else the cause of the skittle that touched it first. A carried body counts as the hand. In a game
-/// whose rules say so, a ball is stray after it left the lane before it touched a skittle, or came
-/// back from behind the last row (USBC rules, illegal pinfall).
+/// whose rules say so, a ball is stray after it left the lane before the head pin, having touched no
+/// skittle, or came back from behind the last row (USBC rules, illegal pinfall).
 ///
 /// @param tick  gets the events, in order of time
 void note_step(Game& game, const Tick& tick);

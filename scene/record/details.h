@@ -112,7 +112,7 @@ enum class By : std::uint8_t {
   nobody,
   ball,       ///< one that was thrown
   hand,       ///< or what it carries
-  stray_ball  ///< left the lane before it touched a skittle, or came back from behind them
+  stray_ball  ///< left the lane before the skittles, or came back from behind them
 };
 template <>
 inline constexpr auto kNames<By> = std::to_array<Named<By>>(
