@@ -275,10 +275,9 @@ TEST_P(ThrowTest, SeveralThrowsInAFileAreTakenApart) {
     EXPECT_NEAR(find_throw(r, Hand{}).V_TB.v.norm(), speed, 1e-9);
   }
   EXPECT_EQ(around_gap[0].times.size(), gap);
-  // Also beside the only throw.
-  devices::MotionRecording alone = one;
-  for (std::size_t i = 0; i < 3; ++i) {
-    alone.times.push_back(one.times.back() + Time{2'000'000 + 14'000 * static_cast<int>(i)});
+  devices::MotionRecording alone = one;  // also beside the only throw
+  for (const int later_us : {2'000'000, 2'014'000}) {
+    alone.times.push_back(one.times.back() + Time{later_us});
     for (auto track : {&devices::MotionRecording::head, &devices::MotionRecording::left_hand,
                        &devices::MotionRecording::right_hand}) {
       (alone.*track).push_back((one.*track).back());
