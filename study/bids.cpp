@@ -312,7 +312,8 @@ std::string bids_readme(const Design& design, const std::vector<Person>& people)
   return fmt::format(
       "{}\n\nTwo games of bowling at skittles in a virtual room a participant, between which one "
       "parameter of the collisions changes.\n{}"
-      "tracksys-head and tracksys-hand (tracksys-lefthand of a left-handed one) are what the tracker measured, tracksys-simulated is what "
+      "tracksys-head and tracksys-hand (tracksys-lefthand of a left hand) are what the tracker "
+      "measured, tracksys-simulated is what "
       "the simulation made of it. The events have the buttons among them. sourcedata/, where it "
       "is, "
       "holds the trials themselves, which headpin replays to the bit.\n",
