@@ -30,12 +30,11 @@ struct RingedBall {
 
 /// The state of the game.
 struct Game {
-  std::vector<std::uint8_t> down;  ///< 1 for a skittle that has fallen; by the number of its body
-  std::vector<By> moved_by;        ///< for the skittles; same numbers
-  bool struck = false;             ///< a ball has touched a skittle
-  std::vector<std::uint8_t>
-      stray;                     ///< 1 for a thrown ball that is stray; by the number of its body
-  std::vector<Vec3> velocities;  ///< of the bodies before the step [m/s], same numbers
+  std::vector<std::uint8_t> down;   ///< 1 for a skittle that has fallen; by the number of its body
+  std::vector<By> moved_by;         ///< for the skittles; same numbers
+  bool struck = false;              ///< a ball has touched a skittle
+  std::vector<std::uint8_t> stray;  ///< 1 for a thrown ball that is stray; same numbers
+  std::vector<Vec3> velocities;     ///< of the bodies before the step [m/s], same numbers
 
   // Of a game with rules.
   std::vector<std::uint8_t> swept;  ///< 1 for a skittle that was counted and removed; same numbers
