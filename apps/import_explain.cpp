@@ -8,11 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/import_thrown.h"
 #include "apps/streams.h"
 #include "base/output_file.h"
 #include "scene/people/throw.h"
-#include "scene/people/throw_checks.h"
-#include "scene/people/throw_readings.h"
 
 namespace headpin::apps {
 namespace {
@@ -26,6 +25,7 @@ struct Explained {
   std::vector<std::string> persons;  ///< a person in the room, at some of the samples
   std::string problem;               ///< why it cannot be imported; empty if it can
   std::string remedy;                ///< options that would make it a throw
+  std::size_t throws = 0;            ///< in the file
   bool by_trigger = false;           ///< grab and release are those of a trigger
 };
 
@@ -75,17 +75,15 @@ Vec3 lane_of(const MotionRecording& r, const scene::Hand& hand, scene::Side side
 void judge(const ImportOptions& options, const scene::Hand& hand, Explained& found) {
   const MotionRecording& r = *found.recording;
   if (r.left_hand.empty() && r.right_hand.empty()) return;
-  const scene::Side side = options.hand == "left"    ? scene::Side::left
-                           : options.hand == "right" ? scene::Side::right
-                                                     : scene::throwing_side(r, hand);
-  try {
-    scene::require_throw(r, hand, options.file, side);
-  } catch (const scene::NoThrow& error) {
-    found.problem = error.what();
-    if (error.would_be) found.remedy = options_between(r.reading, *error.would_be);
+  const Thrown thrown = thrown_in(r, options, hand);
+  found.throws = thrown.throws;
+  if (const std::optional<Refusal> refused = refusal(options, thrown, hand)) {
+    found.problem = refused->why;
+    found.remedy = refused->remedy;
   }
-  found.by_trigger = r.times.size() >= 10 && scene::find_throw(r, hand, side).by_trigger;
-  const Vec3 along = lane_of(r, hand, side);
+  found.by_trigger = thrown.recording.times.size() >= 10 &&
+                     scene::find_throw(thrown.recording, hand, thrown.side).by_trigger;
+  const Vec3 along = lane_of(r, hand, thrown.side);
   const std::size_t n = r.times.size();
   for (const std::size_t i : {std::size_t{0}, n / 4, n / 2}) {
     if (i < n) found.persons.push_back(person_at(r, i, along));
@@ -103,7 +101,6 @@ Explained find_out(const ImportOptions& options, const scene::Hand& hand) {
   try {
     if (has_columns(options.file)) found.table = inspect_declared(options.file, motion);
     found.recording = read_declared(options.file, motion);
-    if (options.no_trigger) found.recording->triggers = {};
     judge(options, hand, found);
   } catch (const std::invalid_argument& error) {
     found.problem = error.what();
@@ -140,22 +137,26 @@ void print_table(const devices::TableFindings& table) {
   }
 }
 
-void print_recording(const MotionRecording& r, bool by_trigger) {
+void print_recording(const MotionRecording& r, const Explained& found) {
   const devices::Reading& reading = r.reading;
   const double duration = r.times.empty() ? 0.0 : nearest_seconds(r.times.back() - r.times.front());
   std::cout << fmt::format("  samples            {} in {:.3f} s\n", r.times.size(), duration);
   std::cout << fmt::format(
       "  read with          {}\n",
       options_between({.unit_m = 0, .axes = "", .turning = "", .time_unit_s = 0}, reading));
+  if (found.throws > 1) {
+    std::cout << fmt::format("  throws             {}; --throw N takes one of them\n",
+                             found.throws);
+  }
   std::cout << fmt::format("  trigger            {}\n",
-                           by_trigger ? "grab and release are those of the trigger"
-                                      : "none: grab and release are found in the motion");
+                           found.by_trigger ? "grab and release are those of the trigger"
+                                            : "none: grab and release are found in the motion");
 }
 
 void print_explained(const ImportOptions& options, const Explained& found) {
   std::cout << printable(options.file) << '\n';
   if (found.table) print_table(*found.table);
-  if (found.recording) print_recording(*found.recording, found.by_trigger);
+  if (found.recording) print_recording(*found.recording, found);
   for (std::string person : found.persons) {
     for (std::size_t at = 0; (at = person.find("; ")) != std::string::npos;) {
       person.replace(at, 2, "\n                       ");
@@ -192,6 +193,7 @@ void print_as_json(const ImportOptions& options, const Explained& found) {
     all["samples"] = found.recording->times.size();
     all["notes"] = found.recording->notes;
     all["persons"] = found.persons;
+    if (found.throws > 0) all["throw_count"] = found.throws;
   }
   print_json(all);
 }

@@ -189,6 +189,8 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"impact_speed_mps",
      "speed of the ball just before its first skittle; of a trial: of its first ball"},
     {"impacts", "number of impulses"},
+    {"in_other_order",
+     "whether the session that counts began with another version than planned; null if there is none"},
     {"implausible", "messages with impossible numbers"},
     {"kept_pace", "whether a live session kept up with real time"},
     {"key", "key of a scenario"},

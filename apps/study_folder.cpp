@@ -43,7 +43,9 @@ Run look_into(const fs::path& path) try {
   run.is_virtual = is_virtual_name(trial.header.participant);
   std::set<std::string> versions;
   for (const scene::Event& event : trial.events) {
-    if (event.kind == scene::kind::version) versions.insert(event.detail.text());
+    if (event.kind != scene::kind::version) continue;
+    if (versions.empty()) run.first = event.detail.text();
+    versions.insert(event.detail.text());
   }
   run.both = versions.size() == 2;
   return run;
@@ -144,6 +146,12 @@ std::vector<Run> runs_of(const StudyFolder& at, const std::string& id) {
 const Run* counting(const std::vector<Run>& runs) {
   const auto found = std::ranges::find_if(runs, &Run::done);
   return found == runs.end() ? nullptr : &*found;
+}
+
+bool is_in_other_order(const Study& study, const study::PlannedParticipant& participant,
+                       const Run& run) {
+  const bool red = study::games_of(study.design, participant.allotted)[0].red;
+  return !run.first.empty() && (run.first == "red") != red;
 }
 
 bool is_virtual_name(const std::string& participant) {

@@ -81,6 +81,7 @@ struct Run {
   bool both = false;      ///< both versions were begun
   double seconds = 0.0;
   bool is_virtual = false;
+  std::string first = {};  ///< version that was begun first: red or blue; empty if none was
 
   bool done() const { return complete && both; }
 };
@@ -90,6 +91,10 @@ std::vector<Run> runs_of(const StudyFolder& at, const std::string& id);
 
 /// The run that counts: the first complete one; null if there is none.
 const Run* counting(const std::vector<Run>& runs);
+
+/// Whether a run began with another version than the plan has.
+bool is_in_other_order(const Study& study, const study::PlannedParticipant& participant,
+                       const Run& run);
 
 /// Whether a trial's header says that a virtual participant played it.
 bool is_virtual_name(const std::string& participant);

@@ -127,6 +127,14 @@ std::string trial_in(const std::vector<std::string>& sources) {
   return {};
 }
 
+/// After a session that began with the wrong button: it can still be played again, or told.
+void say_other_order(const Study& study, const study::PlannedParticipant& who) {
+  const Run last = runs_of(study.at, who.id).back();
+  if (!is_in_other_order(study, who, last)) return;
+  say("headpin experiment run: {}: began with the {} version, in another order than planned\n",
+      last.path.string(), last.first);
+}
+
 void run_live(const Study& study, const study::PlannedParticipant& who, const RunOptions& options,
               const NextRun& run) {
   LiveOptions live = *options.live;
@@ -146,6 +154,7 @@ void run_live(const Study& study, const study::PlannedParticipant& who, const Ru
   say("headpin experiment run: {} touches the {} button first, then the {} one\n", who.id,
       red ? "red" : "blue", red ? "blue" : "red");
   go_live(live);
+  say_other_order(study, who);
 }
 
 void run_one(const Study& study, const RunOptions& options) {
@@ -164,6 +173,7 @@ void run_one(const Study& study, const RunOptions& options) {
                                     ? play_virtual(study, who, run.path(), each_tick)
                                     : play_trial(study, who, options.trial, run.path(), each_tick);
   const bool is_virtual = runs_of(study.at, who.id).back().is_virtual;
+  say_other_order(study, who);
   if (options.json) return print_json(to_json(who.id, is_virtual, session));
   print_session(who.id, is_virtual, session);
 }

@@ -26,13 +26,17 @@ struct HowFar {
   std::string replaced_by;
 };
 
-std::string played_in_words(const std::vector<Run>& runs) {
+std::string played_in_words(const Study& study, const HowFar& one) {
+  const std::vector<Run>& runs = one.runs;
   if (runs.empty()) return "not yet";
   const Run* counts = counting(runs);
   const Run& last = runs.back();
   const Run& told = counts ? *counts : last;
   const std::string length = fmt::format("{}, {:.1f} s", told.name, told.seconds);
-  if (counts) return length + (told.is_virtual ? ", virtual" : "");
+  if (counts) {
+    return length + (told.is_virtual ? ", virtual" : "") +
+           (is_in_other_order(study, *one.planned, told) ? ", in another order than planned" : "");
+  }
   return length + (last.complete ? ", without both versions" : ", cut off");
 }
 
@@ -78,6 +82,9 @@ void tell_status(const StatusOptions& options) {
                         {"changed", study::changed_key_of(study.design, *one.planned)},
                         {"runs", one.runs.size()},
                         {"run", counts ? nlohmann::json(counts->name) : nlohmann::json()},
+                        {"in_other_order",
+                         counts ? nlohmann::json(is_in_other_order(study, *one.planned, *counts))
+                                : nlohmann::json()},
                         {"answers", study.questions.items.size() - one.missing},
                         {"replaced_by", one.replaced_by}});
     }
@@ -90,7 +97,7 @@ void tell_status(const StatusOptions& options) {
     fmt::print("{:<12}{:<6}{:<12}{:<10}{}{}\n", one.planned->id,
                study::cell_of(study.design, *one.planned),
                study::changed_key_of(study.design, *one.planned),
-               fmt::format("{} of {}", asked - one.missing, asked), played_in_words(one.runs),
+               fmt::format("{} of {}", asked - one.missing, asked), played_in_words(study, one),
                one.replaced_by.empty() ? "" : ", replaced by " + one.replaced_by);
   }
   const std::string folder = study.at.root.string();

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iostream>
+#include <iterator>
 #include <memory>
 #include <optional>
 
@@ -11,14 +13,13 @@
 #include "apps/command.h"
 #include "apps/import_explain.h"
 #include "apps/import_options.h"
+#include "apps/import_thrown.h"
 #include "apps/options.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "apps/xdf_session.h"
 #include "base/output_file.h"
-#include "devices/recordings/marker_file.h"
 #include "devices/recordings/motion_files.h"
-#include "devices/recordings/text_encoding.h"
 #include "scene/people/throw.h"
 #include "scene/people/throw_checks.h"
 #include "scene/people/throw_readings.h"
@@ -36,85 +37,6 @@ scene::Scenario room_of(const ImportOptions& options) {
 scene::Heading heading(const std::string& name) {
   if (name == "gaze") return scene::Heading::gaze;
   return name == "keep" ? scene::Heading::keep : scene::Heading::release;
-}
-
-/// The recording in the file, and the throwing hand.
-struct Thrown {
-  devices::MotionRecording recording;
-  scene::Side side = scene::Side::right;
-  std::size_t throws = 1;          ///< in the file
-  std::vector<std::string> notes;  ///< parts of the file that were left out
-};
-
-scene::Side side_of(const ImportOptions& options, const devices::MotionRecording& recording,
-                    const scene::Hand& hand) {
-  if (options.hand == "auto" || options.hand == "none")
-    return scene::throwing_side(recording, hand);
-  return options.hand == "left" ? scene::Side::left : scene::Side::right;
-}
-
-/// Grab and release from the file of --events, for both hands.
-void take_events(const ImportOptions& options, devices::MotionRecording& recording) {
-  if (options.no_trigger) recording.triggers = {};
-  if (options.events.empty()) return;
-  const std::string text = devices::read_as_utf8(options.events, 100'000'000);
-  std::vector<Stamped<bool>> markers;
-  // Whether some grab and release are inside the recording, as far apart as those of a throw.
-  const auto fits = [&] {
-    for (std::size_t i = 1; i < markers.size(); i += 2) {
-      const Time grab = markers[i - 1].time, release = markers[i].time;
-      if (grab >= Time{} && release <= recording.times.back() && release - grab >= Time{100'000}) {
-        return true;
-      }
-    }
-    return false;
-  };
-  // In the unit of the recording, or in seconds.
-  for (const double unit_s : {recording.reading.time_unit_s, 1.0}) {
-    markers = devices::parse_markers(text, options.events, unit_s);
-    for (Stamped<bool>& marker : markers) marker.time -= recording.start;
-    if (fits()) break;
-  }
-  if (!fits()) {
-    throw std::invalid_argument(
-        fmt::format("{}: expected times of grab and release between {:.3f} and {:.3f} s, as the "
-                    "recording has; found {:.3f} to {:.3f} s",
-                    options.events, nearest_seconds(recording.start),
-                    nearest_seconds(recording.start + recording.times.back()),
-                    nearest_seconds(recording.start + markers.front().time),
-                    nearest_seconds(recording.start + markers.back().time)));
-  }
-  recording.triggers = {markers, markers};
-}
-
-Thrown read_thrown(const ImportOptions& options, const scene::Hand& hand) {
-  Thrown thrown;
-  thrown.recording = read_declared(options.file, declared(options));
-  take_events(options, thrown.recording);
-  thrown.side = side_of(options, thrown.recording, hand);
-  std::vector<devices::MotionRecording> throws = scene::split_throws(thrown.recording, thrown.side);
-  thrown.throws = throws.size();
-  thrown.notes = thrown.recording.notes;
-  if (!options.which) {
-    thrown.recording = scene::looking_along(std::move(thrown.recording), hand, thrown.side);
-    return thrown;
-  }
-  const auto wanted = static_cast<std::size_t>(*options.which);
-  if (wanted > throws.size()) {
-    throw UsageError(fmt::format("{}: --throw {}: expected 1 to {}, the number of its throws",
-                                 options.file, wanted, throws.size()));
-  }
-  thrown.recording = std::move(throws[wanted - 1]);
-  thrown.side = side_of(options, thrown.recording, hand);
-  thrown.recording = scene::looking_along(std::move(thrown.recording), hand, thrown.side);
-  return thrown;
-}
-
-/// The file, in messages; of one of its throws also where its times begin.
-std::string name_of(const ImportOptions& options, const Thrown& thrown) {
-  if (!options.which) return options.file;
-  return fmt::format("{}, throw {} (0 s is {:.3f} s in the file)", options.file, *options.which,
-                     nearest_seconds(thrown.recording.start));
 }
 
 /// What to know about a recording that is imported anyway.
@@ -153,15 +75,35 @@ void say_doubts(const ImportOptions& options, const Thrown& thrown,
   }
 }
 
+scene::Event said(std::string_view kind, const devices::MotionRecording& recording,
+                  std::string detail) {
+  scene::Event event;
+  event.time = recording.times.front();
+  event.kind = kind;
+  event.detail = std::move(detail);
+  return event;
+}
+
+/// Events for where a trial is from, and for all that import says about the recording.
+std::vector<scene::Event> origin(const ImportOptions& options,
+                                 const devices::MotionRecording& recording, std::size_t throws,
+                                 const std::vector<std::string>& notes) {
+  const std::string name = std::filesystem::path(options.file).filename().string();
+  std::string from = printable(name);
+  if (options.which) from += fmt::format(", throw {} of {}", *options.which, throws);
+  std::vector<scene::Event> events = {said(scene::kind::imported, recording, std::move(from))};
+  events.front().value = nearest_seconds(recording.start);
+  for (const std::string& note : notes) {
+    events.push_back(said(scene::kind::import_note, recording, printable(note)));
+  }
+  return events;
+}
+
 /// Events for what was not measured.
 std::vector<scene::Event> not_measured(const devices::MotionRecording& recording) {
   std::vector<scene::Event> events;
   const auto add = [&](const char* detail) {
-    scene::Event e;
-    e.time = recording.times.front();
-    e.kind = scene::kind::not_measured;
-    e.detail = detail;
-    events.push_back(e);
+    events.push_back(said(scene::kind::not_measured, recording, detail));
   };
   if (!recording.head_moves) {
     add("the head: it stays in one place and looks along the throw");
@@ -195,23 +137,6 @@ std::vector<scene::Event> found_events(const devices::MotionRecording& recording
   return events;
 }
 
-/// Refuses a recording that is no throw, and names the options that would make it one.
-void require_throw(const ImportOptions& options, const Thrown& thrown, const scene::Hand& hand) {
-  try {
-    scene::require_throw(thrown.recording, hand, name_of(options, thrown), thrown.side);
-  } catch (const scene::NoThrow& error) {
-    const bool gap = std::string_view(error.what()).find("no samples for") != std::string::npos;
-    if (gap && !options.which) {
-      throw std::runtime_error(fmt::format(
-          "{}; --throw N takes one of its throws ({}), without what is beyond a gap around it",
-          error.what(), thrown.throws));
-    }
-    if (!error.would_be) throw;
-    throw std::runtime_error(fmt::format(
-        "{}: {}", error.what(), options_between(thrown.recording.reading, *error.would_be)));
-  }
-}
-
 /// The header and the file of a trial.
 scene::Recorder recorder_for(const ImportOptions& options, const scene::Scenario& scenario) {
   scene::check(scenario, options.file + " as recorded, in this room");
@@ -242,10 +167,9 @@ void import_head(const ImportOptions& options, const scene::Scenario& base,
   }
   scene::Recorder recorder =
       recorder_for(options, scene::stand_onlooker(base, recording, heading(options.heading)));
-  std::vector<scene::Event> events = not_measured(recording);
-  events.emplace_back();
-  events.back().kind = scene::kind::not_measured;
-  events.back().detail = "the hands: nothing is thrown";
+  std::vector<scene::Event> events = origin(options, recording, 0, recording.notes);
+  std::ranges::move(not_measured(recording), std::back_inserter(events));
+  events.push_back(said(scene::kind::not_measured, recording, "the hands: nothing is thrown"));
   scene::write(recorder, scene::head_samples(recording), events);
   check_stop();
   recorder.close();
@@ -267,17 +191,22 @@ void import_throw(const ImportOptions& options) {
   if (options.hand == "none") {
     return import_head(options, base, read_declared(options.file, declared(options)));
   }
-  const Thrown thrown = read_thrown(options, base.hand);
+  const Thrown thrown =
+      thrown_in(read_declared(options.file, declared(options)), options, base.hand);
   const devices::MotionRecording& recording = thrown.recording;
-  require_throw(options, thrown, base.hand);
+  if (const std::optional<Refusal> refused = refusal(options, thrown, base.hand)) {
+    throw std::runtime_error(refused->remedy.empty() ? refused->why
+                                                     : refused->why + ": " + refused->remedy);
+  }
   const scene::Throw found = scene::find_throw(recording, base.hand, thrown.side);
   const std::vector<std::string> doubts = doubts_about(thrown, found, base);
   say_doubts(options, thrown, doubts);
   const scene::Scenario scenario =
       scene::stand_thrower(base, recording, found, heading(options.heading));
   scene::Recorder recorder = recorder_for(options, scenario);
-  scene::write(recorder, scene::to_samples(recording, found),
-               found_events(recording, found, scenario));
+  std::vector<scene::Event> events = origin(options, recording, thrown.throws, doubts);
+  std::ranges::move(found_events(recording, found, scenario), std::back_inserter(events));
+  scene::write(recorder, scene::to_samples(recording, found), events);
   check_stop();
   recorder.close();
 

@@ -1,6 +1,7 @@
 #include "scene/people/coach.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <stdexcept>
 
@@ -19,15 +20,25 @@ constexpr double kDegreeInRad = std::numbers::pi / 180.0;
 /// Which number of a throw is drawn.
 enum class Word : std::uint64_t { speed, revs, rotation, tilt, board, angle, loft };
 
-double draw_one(const Wanted& wanted, std::uint64_t seed, Word word, double least, double most) {
+double draw_one(const Wanted& wanted, std::uint64_t seed, Word word) {
   Random random(seed, kCoachedThrow, static_cast<std::uint64_t>(word));
-  return std::clamp(wanted.mean + wanted.deviation.value_or(0.0) * random.normal(), least, most);
+  return wanted.mean + wanted.deviation.value_or(0.0) * random.normal();
+}
+
+double draw_one(const Wanted& wanted, std::uint64_t seed, Word word, double least, double most) {
+  return std::clamp(draw_one(wanted, seed, word), least, most);
+}
+
+/// The same direction, above -180 and up to 180.
+double turned_back(double degrees) {
+  const double least = std::remainder(degrees, 360.0);
+  return least == -180.0 ? 180.0 : least;
 }
 
 Delivered draw_spin(const CoachedThrow& wanted, std::uint64_t seed) {
   Delivered spin;
   spin.revs_per_min = draw_one(*wanted.revs_per_min, seed, Word::revs, 0.0, kMostRevs);
-  spin.rotation_deg = draw_one(wanted.rotation_deg, seed, Word::rotation, -180.0, 180.0);
+  spin.rotation_deg = turned_back(draw_one(wanted.rotation_deg, seed, Word::rotation));
   spin.tilt_deg = draw_one(wanted.tilt_deg, seed, Word::tilt, -90.0, 90.0);
   return spin;
 }

@@ -41,6 +41,8 @@ inline constexpr std::string_view recentred = "recentred";
 inline constexpr std::string_view paused = "paused";
 inline constexpr std::string_view not_stored = "not_stored";
 inline constexpr std::string_view source_amiss = "source_amiss";
+inline constexpr std::string_view imported = "imported";
+inline constexpr std::string_view import_note = "import_note";
 inline constexpr std::string_view grab_found = "grab_found";
 inline constexpr std::string_view release_found = "release_found";
 inline constexpr std::string_view not_measured = "not_measured";
@@ -148,6 +150,12 @@ inline constexpr auto kEventKinds = std::to_array<EventKind>({
     {kind::kept_pace,
      "after the last tick of a live session: detail says whether it kept up with real time, as "
      "JSON: overruns, ticks, late_frames, frames, drawing_failures",
+     "", ""},
+    {kind::imported,
+     "in an imported recording: detail has the name of the file, and of several throws the number "
+     "of this one",
+     "", "time in the file at which the trial begins [s]"},
+    {kind::import_note, "in an imported recording: detail has a note of the import about its data",
      "", ""},
     {kind::grab_found,
      "in a recording without buttons: the program found that a hand grabbed the ball here", "", ""},

@@ -205,10 +205,20 @@ TEST_F(StudyAnswers, WhoPlayedInAnotherOrderThanPlannedIsNamed) {
   }
   ASSERT_FALSE(blue_first.empty());
   for (const char* who : {"p001", "p002", "p003", "p004", "p005", "p006"}) {
-    ASSERT_EQ(
-        headpin(fmt::format("experiment run study --participant {} --trial t.lcmlog", who)).code,
-        0);
+    const bool other = std::ranges::count(blue_first, who) == 1;
+    const Result run =
+        headpin(fmt::format("experiment run study --participant {} --trial t.lcmlog", who));
+    ASSERT_EQ(run.code, 0);
+    EXPECT_EQ(run.err.find("run-01.lcmlog: began with the red version, in another order") !=
+                  std::string::npos,
+              other)
+        << run.err;
   }
+  for (const nlohmann::json& one : json("experiment status study --json")["participants"]) {
+    EXPECT_EQ(one["in_other_order"],
+              std::ranges::count(blue_first, one["participant"].get<std::string>()) == 1);
+  }
+  EXPECT_THAT(headpin("experiment status study").out, HasSubstr(", in another order than planned"));
   EXPECT_EQ(json("experiment score study --json")["other_order"], blue_first);
   EXPECT_THAT(headpin("experiment score study").out,
               HasSubstr("played in another order than planned: " + blue_first.front()));

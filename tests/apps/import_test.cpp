@@ -1,6 +1,9 @@
 // Recordings of other programs that `headpin import` makes trials of.
 
 #include <bit>
+#include <sstream>
+
+#include <fmt/format.h>
 
 #include "devices/recordings/motion_files.h"
 #include "tests/apps/trial_commands.h"
@@ -133,6 +136,62 @@ TEST_F(TrialCommands, TheExampleThrowIsTheArmModelsAndIsImported) {
               0.4);
   EXPECT_GT(json("replay --json found.lcmlog")["skittles_down"].get<int>(), 3);
   expect_refusal("synthesize -o throw.csv", 1, "throw.csv: exists already");
+}
+
+/// The bundled throw twice in one file, with a gap of three seconds between both.
+std::string twice(const std::string& csv) {
+  const std::size_t first = csv.find('\n') + 1;
+  std::string text = csv;
+  std::istringstream rows(csv.substr(first));
+  for (std::string row; std::getline(rows, row);) {
+    text += fmt::format("{:.3f}{}\n", std::stod(row) + 10'000.0, row.substr(row.find(',')));
+  }
+  return text;
+}
+
+TEST_F(TrialCommands, AThrowOfSeveralIsTakenByItsNumberAndItsTrialSaysSo) {
+  const std::string example = HEADPIN_SOURCE_DIR "/assets/throws/example.csv";
+  spit(folder_ / "two.csv", twice(slurp(example)));
+  expect_refusal("import two.csv -o OUT.lcmlog", 1, "--throw N takes one of its throws (2)");
+  const Result whole = headpin("import two.csv --explain");
+  EXPECT_THAT(whole.out, HasSubstr("throws             2; --throw N takes one of them"));
+  EXPECT_THAT(whole.out, HasSubstr("result             two.csv: no samples for"));
+  const nlohmann::json second = json("import two.csv --explain --throw 2 --json");
+  EXPECT_EQ(second["throw_count"], 2);
+  EXPECT_TRUE(second["can_be_imported"].get<bool>());
+  expect_refusal("import two.csv --explain --throw 3", 2, "expected 1 to 2");
+
+  const nlohmann::json wanted = json("import " + example + " -o one.lcmlog --json");
+  const nlohmann::json found = json("import two.csv -o second.lcmlog --throw 2 --json");
+  EXPECT_NEAR(found["release_speed_mps"].get<double>(), wanted["release_speed_mps"].get<double>(),
+              1e-9);
+  const auto origin = [&](const std::string& trial) {
+    std::string said;
+    for (const nlohmann::json& event : json("info " + trial + " --json")["events"]) {
+      if (event["kind"] != "imported") continue;
+      said += fmt::format("{} from {:.3f} s", event["detail"].get<std::string>(),
+                          event["value"].get<double>());
+    }
+    return said;
+  };
+  EXPECT_EQ(origin("one.lcmlog"), "example.csv from 0.001 s");
+  EXPECT_EQ(origin("second.lcmlog"), "two.csv, throw 2 of 2 from 10.001 s");
+}
+
+TEST_F(TrialCommands, WhatImportNotesOfItsDataIsInTheTrial) {
+  const std::string example = HEADPIN_SOURCE_DIR "/assets/throws/example.csv";
+  const std::string all = slurp(example);
+  std::size_t end = 0;
+  for (int row = 0; row < 330; ++row) end = all.find('\n', end) + 1;
+  spit(folder_ / "short.csv", all.substr(0, end));
+  const Result result = headpin("import short.csv -o short.lcmlog");
+  ASSERT_EQ(result.code, 0);
+  EXPECT_THAT(result.err, HasSubstr("after the release: a replay ends there too"));
+  std::string notes;
+  for (const nlohmann::json& event : json("info short.lcmlog --json")["events"]) {
+    if (event["kind"] == "import_note") notes += event["detail"].get<std::string>();
+  }
+  EXPECT_THAT(notes, HasSubstr("after the release: a replay ends there too"));
 }
 
 }  // namespace

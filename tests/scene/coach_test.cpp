@@ -129,6 +129,22 @@ TEST(ACoachedThrow, ScattersAsItIsSaidAndEachValueByItself) {
   }
 }
 
+TEST(ACoachedThrow, TurnsOnBeyondHalfATurn) {
+  const Scenario scenario;
+  const auto rotation = [&](const Wanted& wanted, std::uint64_t seed) {
+    const CoachedThrow one{.revs_per_min = Wanted{400.0}, .rotation_deg = wanted};
+    return draw(one, {.seed = seed}, scenario).spin->rotation_deg;
+  };
+  EXPECT_EQ(rotation({-180.0}, 1), rotation({180.0}, 1));
+  int beyond = 0;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    const double found = rotation({175.0, 10.0}, seed);
+    beyond += found < 0.0 ? 1 : 0;
+    EXPECT_NEAR(std::remainder(found - 175.0, 360.0), 0.0, 50.0);
+  }
+  EXPECT_NEAR(beyond, 31, 20);  // of 100 normal values, those above half a deviation
+}
+
 // As the balls of other skittles.
 TEST(ACoachedThrow, MayHaveASmallBall) {
   Scenario scenario;

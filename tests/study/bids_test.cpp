@@ -3,6 +3,7 @@
 #include "study/bids.h"
 
 #include <cmath>
+#include <set>
 
 #include <gmock/gmock.h>
 
@@ -93,6 +94,16 @@ TEST_F(MotionBids, EveryFieldOfEverySampleComesBackInItsOrder) {
   EXPECT_EQ(back.header.participant, "p001");
   EXPECT_EQ(back.header.seed, header_.seed);
   EXPECT_EQ(back.header.scenario, header_.scenario);
+}
+
+TEST_F(MotionBids, EachStationIsATrackingSystemOfItsOwn) {
+  std::set<std::string> systems;
+  for (const auto& [name, text] : texts_) {
+    if (!name.ends_with("_motion.tsv")) continue;
+    const std::size_t from = name.find("_tracksys-") + std::string("_tracksys-").size();
+    systems.insert(name.substr(from, name.find('_', from) - from));
+  }
+  EXPECT_THAT(systems, testing::IsSupersetOf({"head", "hand", "lefthand", "station4"}));
 }
 
 /// A table without its last columns.
