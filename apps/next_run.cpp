@@ -17,7 +17,7 @@ NextRun::NextRun(const Study& study, const std::string& id, const std::string& c
   base::remove_left_parts(folder_.string());
   const std::vector<Run> runs = runs_of(study.at, id);
   if (const Run* done = counting(runs)) {
-    throw std::runtime_error(
+    throw PlayedAlready(
         fmt::format("{}: {} has played already ({:.1f} s); a session is played only once",
                     done->path.string(), id, done->seconds));
   }

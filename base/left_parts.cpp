@@ -1,13 +1,11 @@
 #include "base/left_parts.h"
 
-#include <cerrno>
-#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <regex>
 #include <vector>
 
-#include <sys/types.h>
+#include "base/leftovers.h"
 
 namespace headpin::base {
 
@@ -18,8 +16,7 @@ void remove_left_parts(const std::string& folder) {
     const std::string name = entry.path().filename().string();
     std::smatch match;
     if (!std::regex_match(name, match, part) || !entry.is_regular_file()) continue;
-    const auto process = static_cast<pid_t>(std::atoi(match[1].str().c_str()));
-    if (kill(process, 0) != 0 && errno == ESRCH) left.push_back(entry.path());
+    if (is_gone(std::atoi(match[1].str().c_str()))) left.push_back(entry.path());
   }
   for (const auto& path : left) std::filesystem::remove(path);
 }

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <charconv>
 #include <csignal>
+#include <fstream>
 #include <optional>
 #include <string_view>
 
@@ -34,10 +35,6 @@ std::optional<pid_t> writer_of(std::string_view name, std::string_view stem) {
   return process;
 }
 
-bool is_gone(pid_t process) {
-  return kill(process, 0) != 0 && errno == ESRCH;
-}
-
 /// Whether a file is ours and no process writes it. A process on another machine is not visible
 /// here, but it has its file locked.
 bool is_left(int folder, const std::string& name) {
@@ -51,6 +48,17 @@ bool is_left(int folder, const std::string& name) {
 }
 
 }  // namespace
+
+bool is_gone(int process) {
+  if (kill(process, 0) != 0) return errno == ESRCH;
+  // PID (NAME) STATE ...; Z and X are dead. In a container often nobody asks for their end.
+  std::ifstream file("/proc/" + std::to_string(process) + "/stat");
+  std::string line;
+  std::getline(file, line);
+  const std::size_t state = line.rfind(") ") + 2;
+  return line.find(") ") != std::string::npos && state < line.size() &&
+         (line[state] == 'Z' || line[state] == 'X');
+}
 
 std::string part_stem(const std::string& target) {
   constexpr std::size_t kLongest = 200;  // a file system takes 255 bytes

@@ -8,6 +8,9 @@ namespace headpin::base {
 /// The name of an output while it is written, without the process: NAME of NAME.PROCESS-N.part.
 std::string part_stem(const std::string& target);
 
+/// Whether a process does not run, though nobody may have asked for its end yet.
+bool is_gone(int process);
+
 /// Removes incomplete outputs of killed runs from an open folder: regular files STEM.PROCESS-N.part
 /// of this user that are not locked and whose process is not running.
 ///

@@ -12,4 +12,13 @@ inline std::string shell_word(std::string_view text) {
   return word + "'";
 }
 
+/// The same for a command that people read: in quotes only where a shell needs them.
+inline std::string typed_word(std::string_view text) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@%";
+  const std::string before = text.starts_with('-') ? "./" : "";
+  const bool plain = !text.empty() && text.find_first_not_of(kPlain) == std::string_view::npos;
+  return before + (plain ? std::string(text) : shell_word(text));
+}
+
 }  // namespace headpin::base

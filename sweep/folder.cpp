@@ -78,8 +78,11 @@ void try_values(const Design& design, const std::vector<Trial>& trials, const st
   }
   for (const Range& range : design.drawn) {
     const std::string place = place_of(range.key, range.line);
-    for (const double bound : {range.from, range.to}) {
-      try_value(range.key, fmt::format("{}", bound), design, trials, place);
+    // Bounds may be whole numbers, and what is drawn between them is not.
+    constexpr double kBetween = 0.123456789;
+    for (const double part : {0.0, 1.0, kBetween}) {
+      const double value = range.from + part * (range.to - range.from);
+      try_value(range.key, fmt::format("{}", value), design, trials, place);
     }
   }
 }

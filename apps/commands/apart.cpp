@@ -144,6 +144,21 @@ sweep::Apart apart_of(const Simulated& a, const Simulated& b, const ApartOptions
   }
 }
 
+/// The answer; of trials that do not end together also until when it holds.
+std::vector<std::string> answer(const sweep::Apart& apart, const Simulated& a, const Simulated& b,
+                                const ApartOptions& options) {
+  std::vector<std::string> sentences = sweep::in_sentences(apart);
+  const double of_a = seconds(a.recorded.file.summary().end);
+  const double of_b = seconds(b.recorded.file.summary().end);
+  if (a.recorded.ticks() == b.recorded.ticks() || !options.b) return sentences;
+  const bool a_first = a.recorded.ticks() < b.recorded.ticks();
+  sentences.push_back(
+      fmt::format("Only the first {:.2f} s were compared: there {} ends. {} has {:.2f} s.",
+                  seconds(a.session.now()), printable(a_first ? options.a : *options.b),
+                  printable(a_first ? *options.b : options.a), a_first ? of_b : of_a));
+  return sentences;
+}
+
 void tell_apart(const ApartOptions& options) {
   watch_stop_signals();
   std::optional<base::OutputFile> file;
@@ -181,7 +196,7 @@ void tell_apart(const ApartOptions& options) {
   if (options.json) {
     nlohmann::ordered_json bodies = nlohmann::ordered_json::array();
     for (const sweep::BodyApart& body : apart.bodies()) bodies.push_back(to_json(body));
-    return print_json({{"answer", sweep::in_sentences(apart)},
+    return print_json({{"answer", answer(apart, a, b, options)},
                        {"compared_frames", apart.frames()},
                        {"pixel_arcmin", apart.pixel_arcmin()},
                        {"limit_arcmin", apart.limit_arcmin()},
@@ -191,7 +206,7 @@ void tell_apart(const ApartOptions& options) {
   }
   if (options.output == "-") return;
   print_table(apart);
-  for (const std::string& sentence : sweep::in_sentences(apart)) fmt::print("{}\n", sentence);
+  for (const std::string& sentence : answer(apart, a, b, options)) fmt::print("{}\n", sentence);
 }
 
 }  // namespace

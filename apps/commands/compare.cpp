@@ -222,6 +222,11 @@ void compare(const CompareOptions& options) {
   for (const Side* side : {&a, &b}) {
     say_what_is_missing("compare", side->path, side->file.summary());
   }
+  if (a.scenario.rates.physics_hz != b.scenario.rates.physics_hz) {
+    say("headpin compare: ticks of one number are not of one time: {} has {} a second, {} has {}\n",
+        printable(a.path), a.scenario.rates.physics_hz, printable(b.path),
+        b.scenario.rates.physics_hz);
+  }
   const scene::SharedBodies shared =
       scene::shared_bodies(a.file.summary().header.body_names, b.file.summary().header.body_names);
   nlohmann::json result = {

@@ -163,11 +163,14 @@ void refuse_other_design(const Study& study, const PlanOptions& options) {
 
 void print_plan(const Study& study, std::size_t before) {
   std::map<std::pair<std::string, std::string>, int> rows;
+  const auto replaced = study::replaced(study.plan);
   for (const study::PlannedParticipant& one : study.plan) {
+    if (replaced.contains(one.id)) continue;  // the one in their place has the same conditions
     ++rows[{study::changed_key_of(study.design, one), study::cell_of(study.design, one)}];
   }
   fmt::print("{}: {} participants", study.at.plan().string(), study.plan.size());
   if (before > 0) fmt::print(", {} of them new", study.plan.size() - before);
+  if (!replaced.empty()) fmt::print(", {} replaced", replaced.size());
   fmt::print("\n{:<6}{:<20}{}\n", study.design.letters(), "changed parameter", "participants");
   for (const auto& [row, count] : rows) fmt::print("{:<6}{:<20}{}\n", row.second, row.first, count);
 }

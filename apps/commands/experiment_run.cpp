@@ -94,6 +94,7 @@ class VirtualStudy {
           check_stop();
           if (failed_) throw std::runtime_error("another session failed");
         });
+      } catch (const PlayedAlready&) {  // by another process, since this one began
       } catch (const base::Busy& error) {
         const std::lock_guard lock(mutex_);
         busy_ = error.what();

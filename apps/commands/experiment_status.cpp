@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <filesystem>
 #include <memory>
 
 #include <fmt/format.h>
@@ -8,8 +10,11 @@
 #include "apps/streams.h"
 #include "apps/study_folder.h"
 #include "apps/study_people.h"
+#include "base/shell_word.h"
 
 namespace headpin::apps {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -52,9 +57,27 @@ std::vector<HowFar> steps_done(const Study& study) {
   return all;
 }
 
+fs::file_time_type newest_of(const fs::path& folder) {
+  fs::file_time_type newest = fs::file_time_type::min();
+  if (!fs::exists(folder)) return newest;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) newest = std::max(newest, entry.last_write_time());
+  }
+  return newest;
+}
+
+/// The step that comes when all have played and answered; empty if its results are there, and newer
+/// than what they are of.
+std::string next_step(const Study& study) {
+  const fs::path& root = study.at.root;
+  const auto tables = newest_of(root / "tables");
+  if (tables < newest_of(root / "answers") || tables < newest_of(root / "sessions")) return "score";
+  return newest_of(root / "analysis") < tables ? "analyse" : "";
+}
+
 /// The next command for the user; empty if all is done.
 std::string next_command(const Study& study, const std::vector<HowFar>& all) {
-  const std::string folder = study.at.root.string();
+  const std::string folder = base::typed_word(study.at.root.string());
   for (const HowFar& one : all) {
     if (!one.replaced_by.empty()) continue;
     const Run* run = counting(one.runs);
@@ -66,7 +89,8 @@ std::string next_command(const Study& study, const std::vector<HowFar>& all) {
     return fmt::format("headpin experiment run {} --participant {} SOURCE", folder,
                        one.planned->id);
   }
-  return {};
+  const std::string step = next_step(study);
+  return step.empty() ? "" : fmt::format("headpin experiment {} {}", step, folder);
 }
 
 void tell_status(const StatusOptions& options) {
@@ -100,9 +124,7 @@ void tell_status(const StatusOptions& options) {
                fmt::format("{} of {}", asked - one.missing, asked), played_in_words(study, one),
                one.replaced_by.empty() ? "" : ", replaced by " + one.replaced_by);
   }
-  const std::string folder = study.at.root.string();
-  fmt::print("next: {}\n",
-             next.empty() ? fmt::format("headpin experiment score {}", folder) : next);
+  if (!next.empty()) fmt::print("next: {}\n", next);
 }
 
 }  // namespace

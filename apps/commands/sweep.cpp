@@ -12,6 +12,7 @@
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "base/output_file.h"
+#include "base/shell_word.h"
 
 namespace headpin::apps {
 
@@ -40,7 +41,7 @@ void plan_sweep(const PlanSweepOptions& options) {
     fmt::print("{:.1f} ms a row: about {} on one core of this machine\n", 1000.0 * each,
                duration_in_words(each * static_cast<double>(rows)));
   }
-  fmt::print("next: headpin sweep run {}\n", *options.output);
+  fmt::print("next: headpin sweep run {}\n", base::typed_word(*options.output));
 }
 
 struct StatusSweepOptions {
@@ -58,9 +59,10 @@ void tell_status(const StatusSweepOptions& options) {
   }
   fmt::print("{} of {} rows are done, {} of them failed\n", progress.done, progress.rows,
              progress.failed);
+  const std::string folder = base::typed_word(options.sweep);
   fmt::print("next: headpin sweep {}\n", progress.done < progress.rows
-                                             ? fmt::format("run {}", options.sweep)
-                                             : fmt::format("merge {} -o FILE.csv", options.sweep));
+                                             ? fmt::format("run {}", folder)
+                                             : fmt::format("merge {} -o FILE.csv", folder));
 }
 
 struct MergeOptions {

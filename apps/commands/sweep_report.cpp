@@ -81,8 +81,10 @@ void report_sweep(const ReportSweepOptions& options) {
     return print_json(
         {{"output", *options.output}, {"planned", sweep.rows.size()}, {"done", done}});
   }
-  fmt::print("{}: {} of {} rows, over {} and {}\n", *options.output, done, sweep.rows.size(),
-             sweep.rows.design().grid[x].key, sweep.rows.design().grid[y].key);
+  const std::string& of_x = sweep.rows.design().grid[x].key;
+  const std::string& of_y = sweep.rows.design().grid[y].key;
+  fmt::print("{}: {} of {} rows, over {}{}\n", *options.output, done, sweep.rows.size(), of_x,
+             x == y ? "" : " and " + of_y);
 }
 
 }  // namespace
