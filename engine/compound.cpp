@@ -166,6 +166,8 @@ Compound make_compound(std::vector<Part> parts) {
     c.bounding_radius = std::max(c.bounding_radius, part.X_BG.p.norm() + c.part_radius.back());
     unbounded = unbounded || is_half_space(part);
   }
+  c.faceted = std::ranges::all_of(
+      c.parts, [](const Part& part) { return std::holds_alternative<Polyhedron>(part.shape); });
   if (unbounded) return c;
   c.bounds = {Vec3::Zero(), Vec3::Zero(), c.bounding_radius};
   for (const Vec3& axis : {Vec3(Vec3::UnitZ()), Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY())}) {

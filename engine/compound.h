@@ -30,6 +30,7 @@ struct Compound {
   Capsule bounds;                ///< tight round long bodies, in B; meaningless with a half-space
   std::vector<double> part_radius;        ///< sphere about the origin of each part's G [m]
   std::vector<std::uint8_t> part_turned;  ///< 1 if G has another orientation than B
+  bool faceted = false;                   ///< every part is a polyhedron
 };
 
 /// @throws std::invalid_argument  without parts, or if a size of a part is not finite and

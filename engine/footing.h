@@ -22,6 +22,15 @@ struct Ground {
         level(up_W.dot(X_WP.p)),
         margin(most),
         out(points) {}
+  /// The plane of a face of a polyhedron.
+  Ground(Side side, const Polyhedron::Face& face, const Pose& X_WG, double most,
+         std::vector<ContactPoint>& points)
+      : up_W(X_WG.q * face.normal),
+        n_AB_W(side == Side::a ? up_W : Vec3(-up_W)),
+        along_W(X_WG.q * face.along),
+        level(up_W.dot(X_WG.p) + face.offset),
+        margin(most),
+        out(points) {}
 
   double height(const Vec3& p_W) const { return up_W.dot(p_W) - level; }
 

@@ -148,6 +148,7 @@ void Polyhedron::add_face(const std::vector<std::uint32_t>& c, double size) {
   for (const std::uint32_t i : c) {
     face.offset += face.normal.dot(vertices_[i]) / static_cast<double>(c.size());
   }
+  face.along = (vertices_[c[1]] - vertices_[c[0]]).normalized();
   corners_.insert(corners_.end(), c.begin(), c.end());
   faces_.push_back(face);
 }

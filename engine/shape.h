@@ -45,6 +45,7 @@ class Polyhedron {
     std::uint32_t count = 0;
     Vec3 normal = Vec3::UnitZ();  ///< unit, outward
     double offset = 0.0;          ///< normal . x = offset on the face [m]
+    Vec3 along = Vec3::UnitX();   ///< unit, along its first edge
   };
   struct Edge {
     std::uint32_t from = 0, to = 0;  ///< vertices

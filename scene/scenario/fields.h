@@ -222,8 +222,9 @@ void visit(V& v, Collision& c) {
   v.field("sleep", c.sleep, kAny,
           "sleeping: bodies at rest are not simulated until something touches them");
   v.field(
-      "rules", c.rules, Range{1, 4},
-      "rules of the simulation step. 4: today's; 3: as before, with crowds that creep and fall, "
+      "rules", c.rules, Range{1, 5},
+      "rules of the simulation step. 5: today's; 4: as before, with a search for every part of a body "
+      "over a single face; 3: also with crowds that creep and fall, "
       "and friction not quite opposite to the slip; 2: also with errors for bodies that turn far "
       "within a step; 1: those of trials without this key, also with errors for "
       "squeezed bodies, for bodies that land just after a step, and for unsupported sleeping "
@@ -332,7 +333,8 @@ template <typename V>
 void visit(V& v, ReleaseChange& r) {
   v.field("speed", r.speed, Range{0, 10}, "factor of its velocity");
   v.field("direction_deg", r.direction_deg, Range{-180, 180}, "turn of its velocity to the right");
-  v.field("height", r.height, Range{-2, 2}, "it is released so much higher");
+  v.field("height", r.height, Range{-2, 2},
+          "it is released so much higher; a ball below the floor is put on it");
   v.field("boards", r.boards, Range{-kBoards, kBoards},
           "it is released so many boards further to the left");
   v.field("revs", r.revs, Range{0, 100}, "factor of its spin");

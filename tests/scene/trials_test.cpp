@@ -53,6 +53,15 @@ TEST(ATrialOfBefore, ComesToTheHashesOfItsTime) {
             (Hashes{"5b510b5c5a605014", "41d3efc8e187eb85"}));
 }
 
+// Made in November 2026, by the step of rules 4: ten pins on a lane with gutters and kick-backs, each of
+// whose parts was searched.
+TEST(ATrialOfRules4, ComesToTheHashesOfItsTimeAndToOthersUnderRules5) {
+  const std::string path = HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-4.lcmlog";
+  const Hashes made{"ae802691a423de65", "1912dfd48a6a4b1e"};
+  EXPECT_EQ(replayed(path), made);
+  EXPECT_FALSE(replayed(path, 5) == made);
+}
+
 // Made in November 2026, by the step of rules 3: skittles meet skittles and lie on each other.
 TEST(ATrialOfRules3, ComesToTheHashesOfItsTimeAndToOthersUnderRules4) {
   const std::string path = HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-3.lcmlog";
