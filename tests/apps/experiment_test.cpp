@@ -152,6 +152,42 @@ TEST_F(Experiment, VirtualSessionsArePlayedAsPlannedByAnyNumberOfThreads) {
   expect_refusal("experiment run a --participant p001 --virtual", 1, "has played already");
 }
 
+TEST_F(Experiment, StatusNamesTheNextStep) {
+  plan_short("'my study'", 1);
+  const auto next = [&] {
+    const auto name = json("experiment status 'my study' --json")["next"].get<std::string>();
+    EXPECT_THAT(headpin("experiment status 'my study'").out, HasSubstr("next: " + name + "\n"));
+    return name;
+  };
+  EXPECT_EQ(next(), "headpin experiment run 'my study' --participant p001 SOURCE");
+  ASSERT_EQ(headpin("experiment run 'my study' --all --virtual").code, 0);
+  EXPECT_EQ(next(), "headpin experiment ask 'my study' --participant p001 --virtual");
+  ASSERT_EQ(headpin("experiment ask 'my study' --all --virtual").code, 0);
+  EXPECT_EQ(next(), "headpin experiment score 'my study'");
+  ASSERT_EQ(headpin("experiment score 'my study'").code, 0);
+  EXPECT_EQ(next(), "headpin experiment analyse 'my study'");
+  fs::create_directories(folder_ / "my study/analysis");
+  spit(folder_ / "my study/analysis/fit.csv", "as analyse writes it\n");
+  EXPECT_EQ(json("experiment status 'my study' --json")["next"], "");
+  EXPECT_THAT(headpin("experiment status 'my study'").out, testing::Not(HasSubstr("next:")));
+}
+
+// Each plays whom the other one does not. Who waits for one that the other plays says so (75).
+TEST_F(Experiment, TwoThatPlayAllShareTheParticipants) {
+  plan_short("a", 4);
+  const std::string play = "'" HEADPIN_PROGRAM "' experiment run a --all --virtual >/dev/null 2>";
+  const std::string command = "cd '" + folder_.string() + "' && { (" + play +
+                              "1.txt; echo $? >1) & (" + play + "2.txt; echo $? >2) & wait; }";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  for (const std::string one : {"1", "2"}) {
+    EXPECT_THAT(slurp(folder_ / one), testing::AnyOf("0\n", "75\n"))
+        << slurp(folder_ / (one + ".txt"));
+  }
+  for (const nlohmann::json& one : json("experiment status a --json")["participants"]) {
+    EXPECT_EQ(one["run"], "run-01");
+  }
+}
+
 TEST_F(Experiment, ASessionThatWasCutOffStaysAndTheNextIsAnotherRun) {
   plan_short("a", 1);
   ASSERT_EQ(headpin("experiment run a --participant p001 --virtual").code, 0);

@@ -192,6 +192,8 @@ TEST_F(SweepCommands, WhatCannotBeIsRefusedBeforeAnythingIsMade) {
   refuses("[grid]\nfriction = [0, 2]\n", 1,
           plan_says + "friction must be a number from 0 to 1, found 2\n");
   refuses("[grid]\nfriction = ['none']\n", 1, "must be a number from 0 to 1, found 'none'\n");
+  refuses("[random]\nrates.physics_hz = {from = 120, to = 960}\n", 1,
+          plan_says + "rates.physics_hz must be a whole number");
   refuses("[grid]\nfrition = [0, 1]\n", 1,
           plan_says + "unknown key 'frition'; the nearest is friction\n");
   refuses("[grid]\nshape = ['cube']\n", 1,

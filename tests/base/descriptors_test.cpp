@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/input_file.h"
@@ -17,6 +18,7 @@
 #include "base/output_file.h"
 #include "base/output_folder.h"
 #include "base/output_text.h"
+#include "base/shell_word.h"
 #include "base/temporary.h"
 #include "base/work_folder.h"
 #include "tests/base/failing_calls.h"
@@ -141,6 +143,34 @@ TEST(Descriptors, OfWhatIsReadMayBeNought) {
     EXPECT_GE(nameless, 0);
     close(nameless);
   });
+}
+
+TEST(AProcess, IsGoneWhenItHasEndedThoughNobodyAskedForItsEnd) {
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  const pid_t child = fork();
+  if (child == 0) {  // until its input ends
+    close(ends[1]);
+    char byte = 0;
+    _exit(read(ends[0], &byte, 1) == 0 ? 0 : 1);
+  }
+  EXPECT_FALSE(is_gone(getpid()));
+  EXPECT_FALSE(is_gone(child));
+  close(ends[1]);
+  close(ends[0]);
+  siginfo_t ended{};
+  ASSERT_EQ(waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOWAIT), 0);
+  EXPECT_TRUE(is_gone(child));
+  waitpid(child, nullptr, 0);
+  EXPECT_TRUE(is_gone(child));
+}
+
+TEST(AWordForAShell, HasQuotesWhereItNeedsThem) {
+  EXPECT_EQ(typed_word("study/a-1"), "study/a-1");
+  EXPECT_EQ(typed_word("my study"), "'my study'");
+  EXPECT_EQ(typed_word("it's"), "'it'\\''s'");
+  EXPECT_EQ(typed_word("-study"), "./-study");
+  EXPECT_EQ(typed_word(""), "''");
 }
 
 TEST(Descriptors, OfLeftoversMayBeNought) {
