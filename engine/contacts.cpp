@@ -17,7 +17,12 @@ namespace {
 
 using namespace patches;
 using footing::Ground;
+using footing::Rim;
 using footing::Side;
+
+Rim rim_of(const Query& query) {
+  return query.faces ? Rim::four : Rim::three;
+}
 
 /// Adds all points of a contact, given its deepest point. Works in A's frame.
 int add_points(const Shape& a, const Shape& b, const Pose& X_WA, const Pose& X_AB, const Closest& c,
@@ -98,7 +103,7 @@ int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
     const std::size_t first = out.size();
     ++counts.queries;
     ++counts.iterations;
-    Ground ground(side, X_WP, margin, out);
+    Ground ground(side, X_WP, margin, rim_of(query), out);
     ground.carry(shape, X_WG.q.toRotationMatrix(), X_WG.p, ground.height(X_WG.p));
     return static_cast<int>(out.size() - first);
   };
@@ -338,9 +343,9 @@ int find_contacts(const Compound& a, const Pose& X_WA, const Compound& b, const 
   assert(kept.size() == kept_normals(a, b));
   const std::size_t first = out.size();
   if (is_half_space(b)) {
-    stand_on(Ground(Side::b, pose_of(X_WB, b, 0), margin, out), a, X_WA, {}, counts);
+    stand_on(Ground(Side::b, pose_of(X_WB, b, 0), margin, rim_of(query), out), a, X_WA, {}, counts);
   } else if (is_half_space(a)) {
-    stand_on(Ground(Side::a, pose_of(X_WA, a, 0), margin, out), b, X_WB, {}, counts);
+    stand_on(Ground(Side::a, pose_of(X_WA, a, 0), margin, rim_of(query), out), b, X_WB, {}, counts);
   } else {
     const Posed posed{a, X_WA, b, X_WB, margin, kept, query, counts, out};
     const std::optional<Side> faceted = faceted_side(a, b, query);

@@ -34,7 +34,7 @@ inline constexpr int kMaxPoints = 4;
 /// Appends the contact points of two posed shapes.
 ///
 /// Between a half-space and a primitive, the points have a closed form: the lowest point of an
-/// ellipsoid; the lowest points of the rims of a cylinder or cone and two more to stand on; the
+/// ellipsoid; the lowest points of the rims of a cylinder or cone and three more to stand on; the
 /// apex; the corners of a polyhedron. Otherwise these are the closest points and, between two flat
 /// faces or two sides, the corners of their common area.
 ///

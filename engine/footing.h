@@ -13,14 +13,20 @@ inline constexpr double kSin120 = 0.86602540378443864676;
 /// Whether the ground is body A or body B of a contact. Normals point from A to B.
 enum class Side { a, b };
 
+/// How many points of a rim carry a disc. Of three, two opposite edges are a half and a whole radius
+/// away, and a pin that is hit yields too easily one way: as in older trials.
+enum class Rim { three, four };
+
 /// The plane of a half-space, and contact points of shapes that stand on it.
 struct Ground {
-  Ground(Side side, const Pose& X_WP, double most, std::vector<ContactPoint>& points)
+  Ground(Side side, const Pose& X_WP, double most, Rim points_of_rim,
+         std::vector<ContactPoint>& points)
       : up_W(z_axis(X_WP.q)),
         n_AB_W(side == Side::a ? up_W : Vec3(-up_W)),
         along_W(X_WP.q * Vec3::UnitY()),
         level(up_W.dot(X_WP.p)),
         margin(most),
+        of_rim(points_of_rim),
         out(points) {}
   /// The plane of a face of a polyhedron.
   Ground(Side side, const Polyhedron::Face& face, const Pose& X_WG, double most,
@@ -30,6 +36,7 @@ struct Ground {
         along_W(X_WG.q * face.along),
         level(up_W.dot(X_WG.p) + face.offset),
         margin(most),
+        of_rim(Rim::four),
         out(points) {}
 
   double height(const Vec3& p_W) const { return up_W.dot(p_W) - level; }
@@ -42,6 +49,7 @@ struct Ground {
   const Vec3 up_W, n_AB_W;  // away from the ground; normal of its contacts
   const Vec3 along_W;       // a direction in the plane
   const double level, margin;
+  const Rim of_rim;
   std::vector<ContactPoint>& out;
 };
 
@@ -69,9 +77,15 @@ inline Vec2 downhill(const Footprint& foot, const Vec3& down) {
   return u / u.norm();
 }
 
-// Adds the lowest point of a rim and the points 120 degrees to each side of it.
+// Adds the lowest point of a rim, and those a quarter of a turn to each side of it and opposite.
 inline void rim(Footprint& foot, double radius, double z, const Vec2& u, std::uint32_t feature) {
   const Vec2 v(-u.y(), u.x());
+  if (foot.ground.of_rim == Rim::four) {
+    for (const Vec2& p : {u, v, Vec2(-v), Vec2(-u)}) {
+      foot.point({radius * p.x(), radius * p.y(), z}, feature++);
+    }
+    return;
+  }
   const Vec2 left = -0.5 * u + kSin120 * v, right = -0.5 * u - kSin120 * v;
   foot.point({radius * u.x(), radius * u.y(), z}, feature);
   foot.point({radius * left.x(), radius * left.y(), z}, feature + 1);

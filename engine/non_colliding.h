@@ -101,9 +101,10 @@ struct Query {
               ///< as in older trials
   bool steady = true;  ///< points of faces keep their numbers from step to step; in older trials
                        ///< they are numbered from the deepest
-  bool faces =
-      true;  ///< a face that alone is within a body's reach carries it as a half-space does;
-             ///< in older trials each pair of parts is searched
+  /// A face that alone is within a body's reach carries it as a half-space does, and discs stand on
+  /// four points of their rim. In older trials each pair of parts is searched, and discs stand on three
+  /// points on a half-space.
+  bool faces = true;
   /// Converged mode stops at the proof of a gap of more than this; a closer pair gets its closest
   /// points, apart or not [m].
   double margin = 0.0;

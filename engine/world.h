@@ -49,11 +49,12 @@ struct Parameters {
   double sleep_speed = 0.01;  ///< [m/s]
   double sleep_spin = 0.03;   ///< [rad/s]
   double sleep_after = 0.25;  ///< [s]
-  int rules = 5;  ///< of older trials: 4, with a search for each part over a single face;
-                  ///< 3, also without the direct solution and with friction that is not
-                  ///< quite opposite to the slip; 2, also without the corrections for
-                  ///< bodies that turn far within a step; 1, also without those for
-                  ///< squeezed, just landed and unsupported sleeping bodies
+  int rules = 5;  ///< of older trials: 4, with a search for each part over a single face,
+                  ///< and discs on three points of a half-space; 3, also without the direct
+                  ///< solution and with friction that is not quite opposite to the slip; 2,
+                  ///< also without the corrections for bodies that turn far within a step;
+                  ///< 1, also without those for squeezed, just landed and unsupported
+                  ///< sleeping bodies
   bool keep_ledger = false;  ///< `World::ledger`; costs about a tenth of a step
 };
 

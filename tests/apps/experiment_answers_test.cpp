@@ -214,7 +214,8 @@ TEST_F(StudyAnswers, WhoPlayedInAnotherOrderThanPlannedIsNamed) {
               other)
         << run.err;
   }
-  for (const nlohmann::json& one : json("experiment status study --json")["participants"]) {
+  const nlohmann::json status = json("experiment status study --json");
+  for (const nlohmann::json& one : status["participants"]) {
     EXPECT_EQ(one["in_other_order"],
               std::ranges::count(blue_first, one["participant"].get<std::string>()) == 1);
   }

@@ -183,7 +183,8 @@ TEST_F(Experiment, TwoThatPlayAllShareTheParticipants) {
     EXPECT_THAT(slurp(folder_ / one), testing::AnyOf("0\n", "75\n"))
         << slurp(folder_ / (one + ".txt"));
   }
-  for (const nlohmann::json& one : json("experiment status a --json")["participants"]) {
+  const nlohmann::json status = json("experiment status a --json");
+  for (const nlohmann::json& one : status["participants"]) {
     EXPECT_EQ(one["run"], "run-01");
   }
 }

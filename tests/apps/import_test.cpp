@@ -155,7 +155,8 @@ TEST_F(TrialCommands, AThrowOfSeveralIsTakenByItsNumberAndItsTrialSaysSo) {
   expect_refusal("import two.csv -o OUT.lcmlog", 1, "--throw N takes one of its throws (2)");
   const Result whole = headpin("import two.csv --explain");
   EXPECT_THAT(whole.out, HasSubstr("throws             2; --throw N takes one of them"));
-  EXPECT_THAT(whole.out, HasSubstr("result             two.csv: no samples for"));
+  EXPECT_THAT(whole.out,
+              HasSubstr("result             two.csv: not a person's throw: no samples for"));
   const nlohmann::json second = json("import two.csv --explain --throw 2 --json");
   EXPECT_EQ(second["throw_count"], 2);
   EXPECT_TRUE(second["can_be_imported"].get<bool>());
@@ -167,7 +168,8 @@ TEST_F(TrialCommands, AThrowOfSeveralIsTakenByItsNumberAndItsTrialSaysSo) {
               1e-9);
   const auto origin = [&](const std::string& trial) {
     std::string said;
-    for (const nlohmann::json& event : json("info " + trial + " --json")["events"]) {
+    const nlohmann::json info = json("info " + trial + " --json");
+    for (const nlohmann::json& event : info["events"]) {
       if (event["kind"] != "imported") continue;
       said += fmt::format("{} from {:.3f} s", event["detail"].get<std::string>(),
                           event["value"].get<double>());
@@ -188,7 +190,8 @@ TEST_F(TrialCommands, WhatImportNotesOfItsDataIsInTheTrial) {
   ASSERT_EQ(result.code, 0);
   EXPECT_THAT(result.err, HasSubstr("after the release: a replay ends there too"));
   std::string notes;
-  for (const nlohmann::json& event : json("info short.lcmlog --json")["events"]) {
+  const nlohmann::json info = json("info short.lcmlog --json");
+  for (const nlohmann::json& event : info["events"]) {
     if (event["kind"] == "import_note") notes += event["detail"].get<std::string>();
   }
   EXPECT_THAT(notes, HasSubstr("after the release: a replay ends there too"));

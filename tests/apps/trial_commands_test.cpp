@@ -480,9 +480,9 @@ TEST_F(TrialCommands, ApartSaysUntilWhenItCompared) {
   const std::string demo = slurp(kDemo);
   spit(folder_ / "cut.lcmlog", demo.substr(0, demo.size() / 2));
   const Result cut = headpin("apart " + kDemo + " cut.lcmlog");
-  EXPECT_THAT(cut.out, HasSubstr("Nothing differs.\nOnly the first 2."));
+  EXPECT_THAT(cut.out, HasSubstr("Nothing differs.\nOnly the first 3."));
   EXPECT_THAT(cut.out,
-              HasSubstr("s were compared: there cut.lcmlog ends. " + kDemo + " has 7.00 s."));
+              HasSubstr("s were compared: there cut.lcmlog ends. " + kDemo + " has 7.01 s."));
   EXPECT_EQ(headpin("apart " + kDemo + " " + kDemo).out, "Nothing differs.\n");
 }
 
