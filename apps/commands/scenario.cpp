@@ -128,13 +128,13 @@ void draw(const ScenarioOptions& options) {
   file.write(png.data(), png.size());
   file.commit();
   fmt::print("{}: {} from above and from the side; what the left and the right eye see\n",
-             *options.output, scenario.name);
+             *options.output, printable(scenario.name));
 }
 
 void check(const ScenarioOptions& options) {
   const Measures m = measure(options.scenario);
   if (options.json) return print_json(in_json(scene::scenario_path(options.scenario), m));
-  fmt::print("{}: {}\n", m.name, in_words(m));
+  fmt::print("{}: {}\n", printable(m.name), in_words(m));
   for (const std::vector<std::string>* notes : {&m.not_convex, &m.not_drawn}) {
     for (const std::string& one : *notes) fmt::print("{}\n", printable(one));
   }
@@ -163,6 +163,10 @@ void run_action(const ScenarioOptions& options) {
                     action.output == options.output.has_value() &&
                     (action.output || !options.force) && (action.json || !options.json) &&
                     (action.gl || !options.gl_given);
+  if (options.json && !action.json) {
+    throw UsageError(fmt::format("--json: scenario {} takes none; expected headpin {}", action.name,
+                                 action.usage));
+  }
   if (!fits) {
     throw UsageError(fmt::format("scenario {}: expected headpin {}", action.name, action.usage));
   }

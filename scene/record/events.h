@@ -154,7 +154,7 @@ inline constexpr auto kEventKinds = std::to_array<EventKind>({
     {kind::imported,
      "in an imported recording: detail has the name of the file, and of several throws the number "
      "of this one",
-     "", "time in the file at which the trial begins [s]"},
+     "", "time in the file that is 0 s of the trial [s]"},
     {kind::import_note, "in an imported recording: detail has a note of the import about its data",
      "", ""},
     {kind::grab_found,

@@ -220,7 +220,8 @@ void visit(V& v, Collision& c) {
           "time in which a lasting contact applies the paper's friction once");
   v.field("gravity", c.gravity, Range{0, 1000}, "acceleration of gravity [m/s2]");
   v.field("sleep", c.sleep, kAny,
-          "sleeping: bodies at rest are not simulated until something touches them");
+          "sleeping: bodies at rest are not simulated until something touches them. Skittles begin "
+          "asleep; without sleeping they stay awake from their first touch on");
   v.field(
       "rules", c.rules, Range{1, 5},
       "rules of the simulation step. 5: today's; 4: as before, with a search for every part of a body "

@@ -147,7 +147,8 @@ SkittleBody skittle_body(const Scenario& scenario) {
     throw std::invalid_argument(fmt::format(
         "skittle.parts have their centre of mass {:.4g} m beside the axis and a principal axis "
         "{:.4g} rad from it, expected within {:g}; move the mesh so that its axis is at x = 0, y = "
-        "0, or weigh the profile (skittle.weighed)",
+        "0, or weigh the profile (skittle.weighed). A hollow mesh is weighed as the convex pieces that "
+        "it is cut into, which may be lopsided",
         off, tilt, kUpright));
   }
   return {{.name = std::string(kSkittleName),

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "scene/scenario/rules.h"
+#include "scene/stage/bodies.h"
 #include "scene/stage/room.h"
 
 namespace headpin::scene {
@@ -48,6 +49,7 @@ class Checker {
     check_rates();
     check_parts();
     check_profile();
+    check_weight();
     check_room();
     check_oil();
     check_spots();
@@ -116,6 +118,22 @@ class Checker {
       refuse("skittle.height",
              fmt::format("must be that of its parts, {:.6g}; found {:.6g}", top, s_.skittle.height),
              {"skittle.parts"});
+    }
+  }
+
+  /// A skittle that is not round must be weighed to know whether it stands on its spot.
+  void check_weight() const {
+    const auto is_mesh = [](const SkittlePart& part) {
+      return part.shape == PartShape::polyhedron;
+    };
+    if (std::ranges::none_of(s_.skittle.parts, is_mesh)) return;
+    try {
+      skittle_body(s_);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(fmt::format(
+          "{}: {}",
+          place(where_, lines_, {"skittle.parts", array_of("skittle.parts"), "skittle.weighed"}),
+          error.what()));
     }
   }
 

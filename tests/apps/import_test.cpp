@@ -176,7 +176,7 @@ TEST_F(TrialCommands, AThrowOfSeveralIsTakenByItsNumberAndItsTrialSaysSo) {
     }
     return said;
   };
-  EXPECT_EQ(origin("one.lcmlog"), "example.csv from 0.001 s");
+  EXPECT_EQ(origin("one.lcmlog"), "example.csv from 0.000 s");
   EXPECT_EQ(origin("second.lcmlog"), "two.csv, throw 2 of 2 from 10.001 s");
 }
 

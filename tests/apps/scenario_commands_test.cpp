@@ -257,5 +257,22 @@ TEST_F(ScenarioCommands, ATrialReplaysWithoutItsMeshesAndIsSeenWithThem) {
   EXPECT_EQ(headpin("frames own.lcmlog -o own --frames 300").code, 0);
 }
 
+/// A wedge, 0.3 m high: its middle is beside the axis.
+constexpr const char* kLopsided =
+    "v -0.1 -0.05 0\nv 0.1 -0.05 0\nv -0.1 -0.05 0.3\nv -0.1 0.05 0\nv 0.1 0.05 0\nv -0.1 0.05 0.3\n"
+    "f 1 2 3\nf 4 6 5\nf 1 4 5 2\nf 2 5 6 3\nf 1 3 6 4\n";
+
+TEST_F(ScenarioCommands, ASkittleThatCannotStandIsRefusedByEveryCommandWithItsLine) {
+  spit(folder_ / "wedge.obj", kLopsided);
+  write("wedge.toml",
+        "[skittle]\nmass = 1.0\nparts = [{shape = 'polyhedron', file = 'wedge.obj'}]\n");
+  const std::string says =
+      "wedge.toml:3: skittle.parts have their centre of mass 0.03333 m beside the axis";
+  expect_refusal("scenario check wedge.toml", 1, says);
+  expect_refusal("scenario new --from wedge.toml -o OUT.toml", 1, says);
+  expect_refusal("synthesize --scenario wedge.toml -o OUT.lcmlog", 1, says);
+  expect_refusal("scenario show paper-room --json", 2, "--json: scenario show takes none");
+}
+
 }  // namespace
 }  // namespace headpin
