@@ -76,11 +76,13 @@ void judge(const ImportOptions& options, const scene::Hand& hand, Explained& fou
   const MotionRecording& r = *found.recording;
   if (r.left_hand.empty() && r.right_hand.empty()) return;
   const Thrown thrown = thrown_in(r, options, hand);
-  found.throws = thrown.throws;
-  if (const std::optional<Refusal> refused = refusal(options, thrown, hand)) {
+  const std::optional<Refusal> refused = refusal(options, thrown, hand);
+  if (refused) {
     found.problem = refused->why;
     found.remedy = refused->remedy;
   }
+  // Numbers that are no person's may have any number of swings.
+  if (!refused || refused->gap) found.throws = thrown.throws;
   found.by_trigger = thrown.recording.times.size() >= 10 &&
                      scene::find_throw(thrown.recording, hand, thrown.side).by_trigger;
   const Vec3 along = lane_of(r, hand, thrown.side);

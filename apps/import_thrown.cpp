@@ -91,7 +91,8 @@ std::optional<Refusal> refusal(const ImportOptions& options, const Thrown& throw
     return {};
   } catch (const scene::NoThrow& error) {
     Refusal refused{.why = error.what()};
-    if (refused.why.find("no samples for") != std::string::npos && !options.which) {
+    refused.gap = refused.why.find("no samples for") != std::string::npos;
+    if (refused.gap && !options.which) {
       refused.why += fmt::format(
           "; --throw N takes one of its throws ({}), without what is beyond a gap around it",
           thrown.throws);

@@ -31,6 +31,7 @@ std::string name_of(const ImportOptions& options, const Thrown& thrown);
 struct Refusal {
   std::string why;
   std::string remedy = {};  ///< options that would make it one, such as "--units cm"; may be empty
+  bool gap = false;         ///< it has a gap, beside which there may be throws
 };
 std::optional<Refusal> refusal(const ImportOptions& options, const Thrown& thrown,
                                const scene::Hand& hand);
