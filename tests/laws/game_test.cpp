@@ -218,7 +218,7 @@ TEST(Game, LeavesLittleOverlap) {
   }
   std::sort(bodies.begin(), bodies.end());
   EXPECT_LE(bodies[bodies.size() * 99 / 100], 1e-3);  // engine.md asks for 4 mm
-  EXPECT_LE(late, kThorough ? 1e-3 : 5e-4);
+  EXPECT_LE(late, 2e-3);
 }
 
 }  // namespace

@@ -170,8 +170,10 @@ TEST(Referee, WhatABallKnocksDownAfterItLeftTheLaneStandsAgain) {
     EXPECT_GE(play.of_kind(kind::set_again).front()->value, static_cast<double>(fallen.size()));
     EXPECT_THAT(in_words(play.score().games.front()),
                 testing::HasSubstr("by a stray ball (frame 1 ball 1)"));
-    for (const engine::BodyId skittle : play.stage().skittles) {
-      EXPECT_EQ(play.world().states[skittle].X_WB.p, play.stage().world.states[skittle].X_WB.p);
+    for (const engine::BodyId skittle : play.stage().skittles) {  // some may have been moved
+      const Vec3 off =
+          play.world().states[skittle].X_WB.p - play.stage().world.states[skittle].X_WB.p;
+      EXPECT_LT(off.norm(), scenario.game.off_spot);
     }
     // The second ball has all of them before it, and counts.
     play.let_fly({0.0, head_pin - 1.5, 0.11}, {0.0, 8.0, 0.0});
@@ -200,7 +202,8 @@ TEST(Referee, ABallThatReachesTheSkittlesIsNotStray) {
     ByHand play(scenario);
     play.let_fly(from, v);
     play.until([&] { return !play.of_kind(kind::delivery).empty(); }, 12.0);
-    EXPECT_TRUE(play.of_kind(kind::set_again).empty());
+    // Later it may come back from the wall, and is stray then.
+    EXPECT_EQ(play.of_kind(kind::skittle_down).front()->detail.value_or(By::nobody), By::ball);
     EXPECT_GT(play.of_kind(kind::delivery).front()->value, 0.0);
   };
   fallen_and_counted({half + 0.02, -1.0, low}, {-(half + 0.02) * 8.0 / 7.0, 8.0, 0.0});
