@@ -55,9 +55,10 @@ bool is_gone(int process) {
   std::ifstream file("/proc/" + std::to_string(process) + "/stat");
   std::string line;
   std::getline(file, line);
-  const std::size_t state = line.rfind(") ") + 2;
-  return line.find(") ") != std::string::npos && state < line.size() &&
-         (line[state] == 'Z' || line[state] == 'X');
+  const std::size_t name_end = line.rfind(") ");  // the name may have brackets too
+  if (name_end == std::string::npos || name_end + 2 >= line.size()) return false;
+  const char state = line[name_end + 2];
+  return state == 'Z' || state == 'X';
 }
 
 std::string part_stem(const std::string& target) {

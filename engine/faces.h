@@ -17,8 +17,8 @@ struct Crossed {
 
 /// The faces of a polyhedron that matter to a body.
 ///
-/// A plane that leaves all of the body on its far side proves them apart. One that has all of it on its
-/// near side does not matter. If only one is left, all that the body can touch is that face, as if it
+/// A face with all of the body outside its plane proves that they are apart. A face with all of the body
+/// inside its plane does not matter. If one face is left, the body can touch that face alone, as if it
 /// were a half-space.
 class Faces {
  public:

@@ -128,12 +128,12 @@ std::string trial_in(const std::vector<std::string>& sources) {
   return {};
 }
 
-/// After a session that began with the wrong button: it can still be played again, or told.
+/// Says that the last session began with the wrong button. It counts all the same.
 void say_other_order(const Study& study, const study::PlannedParticipant& who) {
-  const Run last = runs_of(study.at, who.id).back();
-  if (!is_in_other_order(study, who, last)) return;
-  say("headpin experiment run: {}: began with the {} version, in another order than planned\n",
-      last.path.string(), last.first);
+  const std::vector<Run> runs = runs_of(study.at, who.id);
+  if (runs.empty() || !is_in_other_order(study, who, runs.back())) return;
+  say("{}: {}: began with the {} version, in another order than planned\n", kCommand,
+      printable(runs.back().path.string()), runs.back().first);
 }
 
 void run_live(const Study& study, const study::PlannedParticipant& who, const RunOptions& options,

@@ -46,6 +46,8 @@ TEST_F(Experiment, IsPlannedGrownAndTold) {
   expect_refusal("experiment plan -o study --design elasticity-friction-shape", 2,
                  "which cannot be changed");
   expect_refusal("experiment plan -o OUT --design nothing", 2, "or one of: ");
+  EXPECT_THAT(headpin("experiment plan -o study").out,
+              HasSubstr("21 participants, 0 of them new, 1 replaced"));
   const nlohmann::json status = json("experiment status study --json");
   ASSERT_EQ(status["participants"].size(), 21u);
   EXPECT_EQ(status["participants"][2]["replaced_by"], "p021");

@@ -476,6 +476,13 @@ TEST_F(TrialCommands, ApartNamesTheTrialThatIsNoneOfTheSameRecording) {
                  "demo.lcmlog and other.lcmlog: their heads are at different places at ");
 }
 
+TEST_F(TrialCommands, CompareSaysThatTicksOfTwoRatesAreOfOtherTimes) {
+  ASSERT_EQ(headpin("replay " + kDemo + " -o a.lcmlog").code, 0);
+  ASSERT_EQ(headpin("replay " + kDemo + " --set rates.physics_hz=480 -o b.lcmlog").code, 0);
+  EXPECT_THAT(headpin("compare a.lcmlog b.lcmlog").err,
+              HasSubstr("a.lcmlog has 240 a second, b.lcmlog has 480"));
+}
+
 TEST_F(TrialCommands, ApartSaysUntilWhenItCompared) {
   const std::string demo = slurp(kDemo);
   spit(folder_ / "cut.lcmlog", demo.substr(0, demo.size() / 2));
