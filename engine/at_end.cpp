@@ -5,13 +5,15 @@ namespace {
 
 // Velocities are those at the end of the step. A falling body moves with the mean of the velocities
 // at the start and the end. A carried body moves with the end velocity, for which its contacts were
-// solved. A partly carried body moves with a velocity in between, which keeps its energy.
+// solved. A partly carried body moves with a velocity in between, which keeps its energy. A body that
+// slides on a level surface moves with the mean of its level velocities.
 void move_to_end(const World& world, const Flight& flight, const Solved& solved, BodyId i,
                  Pose& X_WB, Vec3& w_WB) {
   const double left = step_seconds(world) - flight.bodies[i].clock;
   const double falls = 1.0 - solved.carried[i];
   X_WB.p += left * world.states[i].v_WB;
   if (falls > 0.0) X_WB.p -= (0.5 * falls * left * left) * world.parameters.gravity_W;
+  X_WB.p -= (0.5 * left) * solved.slowed[i];
   turn_freely(X_WB.q, w_WB, world.inertias[i], left);
 }
 

@@ -25,6 +25,10 @@ constexpr int kQuick = 3;  // Newton's steps after which the next compliance may
 /// step: an island that direct solutions did not solve better, and a crowd, which has none.
 constexpr double kNearly = 5e-4, kCrowd = 1e-2;
 
+/// Square of the cosine between normal and gravity from which a surface is level: within a quarter of a
+/// degree.
+constexpr double kLevel = 1.0 - 2e-5;
+
 /// Energy that an unsolved island may gain, as a fraction of its kinetic energy.
 constexpr double kGain = 1e-9;
 
@@ -154,6 +158,21 @@ Passes solve_rows(const Island& s) {
   return done;
 }
 
+/// Stores what friction gives bodies that slide on a level surface: at its limit, it is the same for the
+/// whole step. On a slope, the other forces along it act on a body as well.
+void note_slide(const Island& s, const FrictionRows& f) {
+  const Touch& touch = s.touches[f.touch];
+  const double load = f.held ? f.load : load_of(s, s.solved[f.touch]);
+  const double most = touch.sliding.limit * load;
+  if (!(f.impulse.squaredNorm() >= (1.0 - 1e-6) * most * most)) return;
+  const Vec3& g = s.world.parameters.gravity_W;
+  const double along = f.n.dot(g);
+  if (along * along < kLevel * g.squaredNorm() || along == 0.0) return;
+  const Vec3 F = f.impulse[0] * f.t[0] + f.impulse[1] * f.t[1];
+  s.result.slowed[touch.a] += s.bodies.mobility[touch.a].inv_mass * F;
+  if (touch.b_moves) s.result.slowed[touch.b] -= s.bodies.mobility[touch.b].inv_mass * F;
+}
+
 /// Stores the results of an island's contacts for later stages: loads, friction and deep points.
 void keep(const Island& s, std::vector<std::uint32_t>& met_now) {
   World& world = s.world;
@@ -165,6 +184,7 @@ void keep(const Island& s, std::vector<std::uint32_t>& met_now) {
     touch.friction_W = f.impulse[0] * f.t[0] + f.impulse[1] * f.t[1];
     touch.twist = f.twist;
     touch.roll = f.roll;
+    if (world.parameters.rules > 5) note_slide(s, f);
   }
   for (const std::uint32_t k : s.each) {
     const Touch& found = s.touches[k];
@@ -295,7 +315,11 @@ Solved& sustain(World& world, const Touches& touches, const Flight& flight, Work
   solved.loads.clear();
   solved.deep_rows.clear();
   solved.carried.resize(world.bodies.size());
-  for (const BodyId i : world.roll.movers) solved.carried[i] = 0.0;
+  solved.slowed.resize(world.bodies.size());
+  for (const BodyId i : world.roll.movers) {
+    solved.carried[i] = 0.0;
+    solved.slowed[i] = Vec3::Zero();
+  }
   solved.touches.clear();
   for (std::size_t k = 0; k < touches.all.size(); ++k) {
     SolvedTouch& touch = solved.touches.emplace_back();

@@ -49,7 +49,8 @@ struct Parameters {
   double sleep_speed = 0.01;  ///< [m/s]
   double sleep_spin = 0.03;   ///< [rad/s]
   double sleep_after = 0.25;  ///< [s]
-  int rules = 5;  ///< of older trials: 4, with a search for each part over a single face,
+  int rules = 6;  ///< of older trials: 5, with bodies that slide moved by their end velocity;
+                  ///< 4, also with a search for each part over a single face,
                   ///< and discs on three points of a half-space; 3, also without the direct
                   ///< solution and with friction that is not quite opposite to the slip; 2,
                   ///< also without the corrections for bodies that turn far within a step;

@@ -25,21 +25,25 @@ Time longest(const scene::Session& session) {
   return microseconds(session.scenario().game.ball_back_s) + kCounting;
 }
 
-/// Opens the hand at a time, and never closes it again.
-void open_at(Time time, std::vector<devices::Sample>& samples) {
-  for (devices::Sample& sample : samples) {
-    auto* button = std::get_if<devices::MouseSample>(&sample);
-    if (button && button->device_time >= time) button->trigger = false;
-  }
-}
+/// When the hand opens.
+struct Opening {
+  Time time;
+  bool moved;  ///< not as recorded: the hand is closed until then
 
-/// Keeps the hand closed until a time.
-void close_until(Time time, std::vector<devices::Sample>& samples) {
-  for (devices::Sample& sample : samples) {
-    auto* button = std::get_if<devices::MouseSample>(&sample);
-    if (button && button->device_time < time) button->trigger = true;
+  /// The hand never closes again.
+  void change(devices::MouseSample& button) const {
+    if (button.device_time >= time) {
+      button.trigger = false;
+    } else if (moved) {
+      button.trigger = true;
+    }
   }
-}
+  void change(std::vector<devices::Sample>& samples) const {
+    for (devices::Sample& sample : samples) {
+      if (auto* button = std::get_if<devices::MouseSample>(&sample)) change(*button);
+    }
+  }
+};
 
 /// Adds a sample that opens the hand to those that the player has not used yet.
 void add_opening(scene::Player& player, Time time) {
@@ -64,12 +68,14 @@ bool is_at_rest(const scene::Session& session) {
 
 Outcome throw_again(const Situation& situation, const Release& release) {
   const scene::Session& before = *situation.before;
-  const Time opening = situation.trigger + release.shift, wait = delay(before);
+  const Opening opening{situation.trigger + release.shift, release.shift != Time{}};
+  const Time wait = delay(before);
   Outcome outcome;
-  if (opening + wait <= before.now()) return outcome;
+  if (opening.time + wait <= before.now()) return outcome;
   scene::Alone alone{.session = before};
   alone.session.player.release_change = release.change;
-  alone.let_go = opening + wait;
+  alone.let_go = opening.time + wait;
+  for (devices::MouseSample& waiting : alone.session.player.buttons) opening.change(waiting);
   scene::Score score;
   const auto is_over = [&] {
     const bool counts = alone.session.game.begun;  // then the rules end it
@@ -78,13 +84,10 @@ Outcome throw_again(const Situation& situation, const Release& release) {
   for (std::size_t i = 0; !is_over(); ++i) {
     std::vector<devices::Sample> samples;
     if (i < situation.samples.size()) samples = situation.samples[i];
-    open_at(opening, samples);
-    if (release.shift != Time{}) {
-      close_until(opening, samples);
-      const Time until = alone.session.next_tick() - wait;
-      const bool due = alone.session.now() - wait < opening && opening <= until;
-      if (due) add_opening(alone.session.player, opening);
-    }
+    opening.change(samples);
+    const Time until = alone.session.next_tick() - wait;
+    const bool due = alone.session.now() - wait < opening.time && opening.time <= until;
+    if (opening.moved && due) add_opening(alone.session.player, opening.time);
     alone.step(samples);
     for (const scene::Event& event : alone.session.events) {
       if (scene::is_release_of_ball(event) || event.kind == scene::kind::first_contact ||

@@ -157,12 +157,21 @@ scene::ThrowMotion motion_of(const SynthesizeOptions& options, scene::Scenario& 
   }
 }
 
+/// What a recording, which has the motion alone, cannot hold.
+void expect_motion_only(const SynthesizeOptions& options) {
+  const auto expect_none = [](bool given, const char* what) {
+    if (given) throw UsageError(fmt::format("{}; expected .lcmlog", what));
+  };
+  expect_none(options.typed.revs.has_value(),
+              "--revs: a recording (.csv) cannot hold what fingers do");
+  expect_none(!options.name.empty(), "--name: a recording (.csv) has no names");
+  expect_none(!options.condition.empty(), "--condition: a recording (.csv) has no names");
+}
+
 void synthesize(const SynthesizeOptions& options) {
   if (options.participant) return synthesize_session(options);
   const bool csv = options.output->ends_with(".csv");
-  if (csv && options.typed.revs) {
-    throw UsageError("--revs: a recording (.csv) cannot hold what fingers do; expected .lcmlog");
-  }
+  if (csv) expect_motion_only(options);
   scene::Scenario scenario =
       options.scenario.empty() ? scene::Scenario{} : scene::load_scenario(options.scenario);
   const scene::ThrowMotion motion = motion_of(options, scenario);

@@ -25,7 +25,7 @@ struct ValueTaker {
   void field(std::string_view name, std::optional<T>& into, const scene::Range& allowed,
              const std::string& /*meaning*/) {
     if (name != key) return;
-    into = value.cast<T>();
+    into = argument<T>(name, value);
     if constexpr (!std::is_same_v<T, bool>) scene::expect_value(name, *into, allowed);
     taken = true;
   }
@@ -46,7 +46,7 @@ struct ValueTaker {
 
 void take(scene::Condition& condition, const std::string& key, const py::handle& value) {
   if (key == "set") {
-    for (const auto& [name, one] : value.cast<py::dict>()) {
+    for (const auto& [name, one] : argument<py::dict>(key, value)) {
       condition.set.push_back(std::string(py::str(name)) + "=" + to_toml(one));
     }
     return;

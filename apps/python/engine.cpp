@@ -15,21 +15,29 @@ namespace {
 using namespace engine;
 using namespace pybind11::literals;
 
+/// A shape, if its measures are those of one.
+/// @throws std::invalid_argument  naming the measure
+template <typename T>
+T checked(const T& shape) {
+  check(shape);
+  return shape;
+}
+
 void add_shapes(py::module_& m) {
   py::class_<Ellipsoid>(m, "Ellipsoid", "An ellipsoid about the origin of its frame.")
-      .def(py::init([](const Vec3& radii) { return Ellipsoid{radii}; }), "radii"_a,
+      .def(py::init([](const Vec3& radii) { return checked(Ellipsoid{radii}); }), "radii"_a,
            "radii: semi-axes along x, y, z [m]; a ball has three equal ones.")
       .def_readonly("radii", &Ellipsoid::radii);
   py::class_<Cylinder>(m, "Cylinder", "A cylinder about the origin of its frame, with axis z.")
       .def(py::init([](double r, double h) {
-             return Cylinder{r, h};
+             return checked(Cylinder{r, h});
            }),
            "radius"_a, "half_height"_a, "Measures in metres.")
       .def_readonly("radius", &Cylinder::radius)
       .def_readonly("half_height", &Cylinder::half_height);
   py::class_<Cone>(m, "Cone", "A cone with axis z: base at z = -height/2, apex at z = +height/2.")
       .def(py::init([](double r, double h) {
-             return Cone{r, h};
+             return checked(Cone{r, h});
            }),
            "radius"_a, "height"_a, "Measures in metres.")
       .def_readonly("radius", &Cone::radius)

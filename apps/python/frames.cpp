@@ -230,9 +230,10 @@ void add_cameras(py::class_<Frame, FramePtr>& frame) {
 py::object frames(const std::shared_ptr<OpenTrial>& trial, const py::object& numbers,
                   const FramesWanted& wanted) {
   check(wanted);
-  const bool one = py::hasattr(numbers, "__index__");
-  const auto all = one ? std::vector{numbers.cast<std::int64_t>()}
-                       : py::list(numbers).cast<std::vector<std::int64_t>>();
+  const bool one =
+      py::hasattr(numbers, "__index__") && !py::hasattr(numbers, "__len__");  // no array
+  const auto all = one ? std::vector{argument<std::int64_t>("frames", numbers)}
+                       : argument<std::vector<std::int64_t>>("frames", py::list(numbers));
   if (all.empty()) return py::list();
   std::map<std::int64_t, FramePtr> frames;
   {

@@ -2,7 +2,9 @@
 
 #include <string>
 #include <string_view>
+#include <type_traits>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <pybind11/pybind11.h>
 
@@ -34,6 +36,24 @@ pybind11::object to_python(const Json& json) {
   pybind11::dict dict;
   for (const auto& [key, value] : json.items()) dict[to_text(key)] = to_python(value);
   return dict;
+}
+
+/// The value of an argument.
+/// @throws pybind11::type_error  for another type, naming the argument
+template <typename T>
+T argument(std::string_view name, const pybind11::handle& value) {
+  try {
+    return value.cast<T>();
+  } catch (const pybind11::cast_error&) {
+    const std::string_view expected = std::is_same_v<T, bool>             ? "True or False"
+                                      : std::is_integral_v<T>             ? "a whole number"
+                                      : std::is_floating_point_v<T>       ? "a number"
+                                      : std::is_same_v<T, pybind11::dict> ? "a dict"
+                                                                          : "whole numbers";
+    const std::string found = pybind11::repr(value);
+    throw pybind11::type_error(
+        fmt::format("{}: expected {}, found {}", name, expected, found.substr(0, 60)));
+  }
 }
 
 /// A value as scenarios write it in TOML, for `set={"ball.mass": 5}`: a number, bool, text, or a

@@ -137,6 +137,15 @@ const char* name_of(Kind kind) {
   return kind == Kind::fixed ? "fixed" : kind == Kind::driven ? "driven" : "free";
 }
 
+/// No solid has a moment of inertia that is larger than the sum of its two others.
+void expect_solid(const Mat3& inertia) {
+  const Vec3 moments = principal_inertia(inertia).moments;
+  if (2.0 * moments.maxCoeff() <= (1.0 + 1e-9) * moments.sum()) return;
+  throw std::invalid_argument(fmt::format(
+      "inertia: expected no principal moment above the sum of the two others, found {:g}, {:g}, {:g} kg m^2",
+      moments[0], moments[1], moments[2]));
+}
+
 Body body_of(const SharedCompound& shape, const std::string& name, double mass,
              const std::optional<Mat3>& inertia, double elasticity, double friction,
              double rolling_arm, const std::string& kind) {
@@ -146,6 +155,7 @@ Body body_of(const SharedCompound& shape, const std::string& name, double mass,
   body.mass = mass;
   body.kind = kind_named(kind);
   if (inertia) {
+    expect_solid(*inertia);
     body.inertia = *inertia;
   } else if (body.kind != Kind::fixed) {
     body.inertia = uniform_inertia(shape, mass);
@@ -177,6 +187,8 @@ std::string hash_of(PyWorld& w) {
 
 /// Makes steps. With a law of one's own, a step that it stops is undone.
 void make_steps(PyWorld& w, std::int64_t count) {
+  if (count < 0)
+    throw std::invalid_argument(fmt::format("count: expected 0 or more, found {}", count));
   World& world = w.get();
   const InUse use(w.in_use);
   const py::gil_scoped_release unlocked;

@@ -47,7 +47,28 @@ bool take(std::string_view& text, std::string_view any_of) {
   return true;
 }
 
-/// "2026-11-25T13:57:27.123Z", or "13:57:27.123" alone: seconds since 1970, or since midnight.
+/// What stands behind a time of day, in seconds that it adds to a time without: "Z" and names of zones
+/// nothing, "+02:00", "+0200" and "+02" -7200, and "PM" half a day.
+std::optional<double> after_clock(std::string_view text, int hour) {
+  while (take(text, " ")) {
+  }
+  const std::string word = small_letters(text.substr(0, 2));
+  if (word == "am" || word == "pm") {
+    if (hour < 1 || hour > 12) return std::nullopt;
+    return 43200.0 * ((word == "pm" ? 1 : 0) - (hour == 12 ? 1 : 0));
+  }
+  const bool east = text.starts_with('+');
+  if (!take(text, "+-")) return 0.0;
+  const auto hours = take_digits(text, 2);
+  take(text, ":");
+  const int minutes = take_digits(text, 2).value_or(0);
+  if (!hours || *hours > 15 || minutes > 59) return std::nullopt;
+  const double ahead = 3600.0 * *hours + 60.0 * minutes;
+  return east ? -ahead : ahead;
+}
+
+/// "2026-11-25T13:57:27.123+01:00", or "13:57:27.123" alone: seconds since 1970, or since midnight; of UTC where
+/// the time tells its zone.
 std::optional<double> date_seconds(std::string_view text) {
   double days = 0.0;
   std::string_view clock = text;
@@ -79,8 +100,9 @@ std::optional<double> date_seconds(std::string_view text) {
       clock.remove_prefix(1);
     }
   }
-  // The zone is the same in all rows.
-  return 86400.0 * days + 3600.0 * *hour + 60.0 * *minute + *whole + fraction;
+  const std::optional<double> rest = after_clock(clock, *hour);
+  if (!rest) return std::nullopt;
+  return 86400.0 * days + 3600.0 * *hour + 60.0 * *minute + *whole + fraction + *rest;
 }
 
 class TimeReader {

@@ -14,7 +14,10 @@ namespace headpin::devices {
 
 Utf8Text as_utf8(std::string text) {
   const bool little = text.starts_with("\xff\xfe"), big = text.starts_with("\xfe\xff");
-  if (!little && !big) return {std::move(text), true};
+  if (!little && !big) {
+    if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
+    return {std::move(text), true};
+  }
   const iconv_t converter = iconv_open("UTF-8", little ? "UTF-16LE" : "UTF-16BE");
   if (converter == reinterpret_cast<iconv_t>(-1)) {
     throw std::runtime_error("UTF-16 cannot be converted on this system");

@@ -7,7 +7,8 @@
 namespace headpin::devices {
 
 /// A text in UTF-8. UTF-16 with a byte order mark, such as the "Unicode Text" of a spreadsheet, is
-/// converted up to the first damaged place; another text is returned as it is.
+/// converted up to the first damaged place; another text is returned
+/// as it is, without a byte order mark.
 struct Utf8Text {
   std::string text;
   bool whole = true;  ///< nothing was damaged

@@ -158,7 +158,7 @@ void note_releases(Game& game, const Tick& tick) {
       if (tells_apart(tick.stage)) game.struck = false;
       const Vec3 p_WB =
           tick.events[i].detail.value_or(Released{}).p_WB.value_or(tick.events[i].p_W);
-      if (tick.stage.scenario.game.foul == FoulBall::count || p_WB.y() <= 0.0) continue;
+      if (tick.stage.scenario.game.foul == FoulBall::count || p_WB.y() <= kOnLine) continue;
       game.foul = true;
       Event e = event(tick, kind::foul, {ball});
       e.p_W = p_WB;

@@ -14,6 +14,9 @@
 /// The game: contacts and falls of a step, and what the rules do about them.
 namespace headpin::scene {
 
+/// A ball is on the foul line, not beyond it, up to this distance: less is rounding [m].
+inline constexpr double kOnLine = 1e-6;
+
 /// A thrown ball whose way is watched.
 struct WatchedBall {
   engine::BodyId body = 0;

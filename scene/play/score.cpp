@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "scene/play/game.h"
 #include "scene/record/details.h"
 #include "scene/record/events.h"
 #include "scene/stage/stage.h"
@@ -31,7 +32,7 @@ ThrowRow thrown(const Event& release, const std::string& version) {
     row.extrapolated_s = nearest_seconds(motion->extrapolated);
     row.left_out = motion->left_out;
   }
-  if (row.p_WB) row.foul = row.p_WB->y() > 0.0;
+  if (row.p_WB) row.foul = row.p_WB->y() > kOnLine;
   return row;
 }
 

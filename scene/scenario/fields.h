@@ -223,9 +223,9 @@ void visit(V& v, Collision& c) {
           "sleeping: bodies at rest are not simulated until something touches them. Skittles begin "
           "asleep; without sleeping they stay awake from their first touch on");
   v.field(
-      "rules", c.rules, Range{1, 5},
-      "rules of the simulation step. 5: today's; 4: as before, with a search for every part of a body "
-      "over a single face, and upright pins on three points of a floor without gutters; 3: also with crowds that creep and fall, "
+      "rules", c.rules, Range{1, 6},
+      "rules of the simulation step. 6: today's; 5: as before, with bodies that slide under the response coulomb up to half a step "
+      "behind; 4: also with a search for every part of a body over a single face, and upright pins on three points of a floor without gutters; 3: also with crowds that creep and fall, "
       "and friction not quite opposite to the slip; 2: also with errors for bodies that turn far "
       "within a step; 1: those of trials without this key, also with errors for "
       "squeezed bodies, for bodies that land just after a step, and for unsupported sleeping "

@@ -175,6 +175,12 @@ TEST_F(ImportTables, ATriggerAndAFileOfEventsSayGrabAndRelease) {
   EXPECT_NEAR(json("replay p.lcmlog --json")["release_speed_mps"].get<double>(),
               by_events["release_speed_mps"].get<double>(), 1e-6);
 
+  // As an editor of Windows saves it: with a byte order mark.
+  spit(folder_ / "mark.txt",
+       "\xef\xbb\xbf"
+       "1.4 grab\r\n3.95 release\r\n");
+  EXPECT_EQ(json("import p.csv -o m.lcmlog --events mark.txt --json")["grab_s"], 1.4);
+
   // A file of markers may cover more than the recording.
   spit(folder_ / "session.csv", "time,what\n1.4,grab\n3.95,let go\n100,grab\n101,let go\n");
   EXPECT_EQ(json("import p.csv -o s.lcmlog --events session.csv --json")["release_s"], 3.95);

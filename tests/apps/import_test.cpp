@@ -12,6 +12,7 @@ namespace headpin {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 const std::string kRecorded = HEADPIN_SHARED_DIR "/throws/liebers_labstudy21_bowling.csv";
 
@@ -178,6 +179,20 @@ TEST_F(TrialCommands, AThrowOfSeveralIsTakenByItsNumberAndItsTrialSaysSo) {
   };
   EXPECT_EQ(origin("one.lcmlog"), "example.csv from 0.000 s");
   EXPECT_EQ(origin("second.lcmlog"), "two.csv, throw 2 of 2 from 10.001 s");
+}
+
+// `import` puts the ball on the foul line; rounding puts it 1e-17 m to either side of it.
+TEST_F(TrialCommands, AnImportedThrowIsNoFoul) {
+  const std::string alley = " --scenario regulation-ten-pin";
+  ASSERT_EQ(headpin("synthesize --seed 3 -o f.csv" + alley).code, 0);
+  for (const std::string heading : {"release", "keep"}) {
+    ASSERT_EQ(headpin("import f.csv -o f.lcmlog --force --heading " + heading + alley).code, 0);
+    const nlohmann::json played = json("replay f.lcmlog --json");
+    const nlohmann::json& thrown = played["throws"].at(0);
+    EXPECT_NEAR(thrown["position_m"][1].get<double>(), 0.0, 1e-12) << heading;
+    EXPECT_FALSE(thrown["foul"].get<bool>()) << heading;
+    EXPECT_THAT(headpin("replay f.lcmlog").out, Not(HasSubstr("foul"))) << heading;
+  }
 }
 
 TEST_F(TrialCommands, WhatImportNotesOfItsDataIsInTheTrial) {

@@ -185,6 +185,8 @@ TEST_F(TrialCommands, ACoachSaysHowTheBallLeaves) {
   expect_refusal("synthesize -o OUT.lcmlog --tilt 5", 2, "--revs");
   expect_refusal("synthesize -o OUT.lcmlog --loft 1 --height 0.2", 2, "--loft");
   expect_refusal("synthesize -o OUT.csv --revs 100", 2, "--revs: a recording (.csv)");
+  expect_refusal("synthesize -o OUT.csv --name p01", 2, "--name: a recording (.csv)");
+  expect_refusal("synthesize -o OUT.csv --condition x", 2, "--condition: a recording (.csv)");
   expect_refusal("synthesize -o OUT.lcmlog --loft 2.9 --speed 5", 2, "loft: expected");
 }
 

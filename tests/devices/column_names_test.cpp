@@ -123,6 +123,25 @@ TEST(Markers, AreGrabsAndReleasesInOrder) {
   EXPECT_THAT(complaint([&] { read("grab,release\n"); }), HasSubstr("m.csv:1: expected a time"));
 }
 
+// Where a time tells its zone it is of UTC, so files of two zones tell one moment.
+TEST(TimesOfDay, AreOfTheirZones) {
+  const double noon = 1714903200.0;  // of 2024-05-05 10:00:00 UTC
+  for (const std::string_view same :
+       {"2024-05-05T10:00:00Z", "2024-05-05 12:00:00+02:00", "2024-05-05T12:00:00.000+0200",
+        "2024-05-05T04:30:00-05:30", "2024-05-05 10:00:00", "2024-05-05 10:00:00 AM",
+        "2024-05-05T10:00:00 +00", "2024-05-05 10:00:00 UTC"}) {
+    EXPECT_EQ(time_of(same, 1.0), noon) << same;
+  }
+  EXPECT_EQ(time_of("01:00:00 PM", 1.0), 13 * 3600.0);
+  EXPECT_EQ(time_of("12:00:01 am", 1.0), 1.0);
+  EXPECT_EQ(time_of("12:00:01 PM", 1.0), 12 * 3600.0 + 1.0);
+  EXPECT_EQ(time_of("12:00:00+2:", 1.0), 10 * 3600.0);
+  for (const std::string_view none :
+       {"13:00:00 PM", "12:00:00+99:00", "12:00:00+02:99", "12:00:00+"}) {
+    EXPECT_EQ(time_of(none, 1.0), std::nullopt) << none;
+  }
+}
+
 // The file may hold other words, so one of them is blamed only where nothing else helps.
 TEST(Markers, WithoutAGrabAndALaterReleaseAreRefusedByTheirLine) {
   const auto refused = [](const std::string& text) {

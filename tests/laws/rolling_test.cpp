@@ -87,6 +87,42 @@ TEST(SlidingBallAfterCoulomb, SlowsByMuG) {
   EXPECT_NEAR(t.slip(), 0.0, 1e-9);
 }
 
+/// Where a disc that cannot tip is after a time, which slides along y from 3 m/s [m].
+///
+/// @param tilt  of the floor, whose level stays that of W [rad]
+double slide_of_disc(int rate_hz, double tilt, double time, int rules) {
+  const Vec3 gravity = 9.81 * Vec3(0.0, std::sin(tilt), -std::cos(tilt));
+  World world =
+      make_world({.rate_hz = rate_hz, .gravity_W = gravity, .response = "coulomb", .rules = rules});
+  add_body(world, floor_body({0.7, 0.5}));
+  Body disc = ball_body({0.7, 0.6});
+  disc.shape = make_compound({{Cylinder{0.2, 0.01}, Pose{}}});
+  disc.inertia = Vec3(0.07, 0.07, 0.14).asDiagonal();
+  const BodyId i = add_body(world, disc, at(Vec3(0.0, 0.0, 0.01), Vec3(0.0, 3.0, 0.0)));
+  run(world, time);
+  return world.states[i].X_WB.p.y();
+}
+
+// Coulomb: v t - mu g t^2 / 2 while it slides, v^2 / (2 mu g) at rest. With the velocity at a step's end, a
+// disc is half a step times the lost velocity short.
+TEST(SlidingDiscAfterCoulomb, IsWhereTheClosedFormHasIt) {
+  const double mu = 0.3, v = 3.0, g = 9.81;
+  for (const int rate : {60, 240, 1000}) {
+    EXPECT_NEAR(slide_of_disc(rate, 0.0, 0.5, 6), 0.5 * v - 0.125 * mu * g, 1e-6) << rate;
+    const double stops = v * v / (2.0 * mu * g);
+    EXPECT_NEAR(slide_of_disc(rate, 0.0, 2.0, 6), stops, 0.5 * mu * g / (rate * rate)) << rate;
+    EXPECT_LT(slide_of_disc(rate, 0.0, 2.0, 5), stops - 0.4 * v / rate) << rate;
+  }
+}
+
+// There the normal force has a level part too, so the rule of the step is that of before.
+TEST(SlidingDiscAfterCoulomb, GoesDownASlopeAsBefore) {
+  const double mu = 0.3, tilt = 0.4, g = 9.81;
+  const double closed = 3.0 + 0.5 * g * (std::sin(tilt) - mu * std::cos(tilt));
+  EXPECT_EQ(slide_of_disc(240, tilt, 1.0, 6), slide_of_disc(240, tilt, 1.0, 5));
+  EXPECT_NEAR(slide_of_disc(240, tilt, 1.0, 6), closed, 0.0025);
+}
+
 TEST(SmoothBall, SlidesForEverWithoutTurning) {
   Thrown t = sliding_ball(240, {0.7, 0.0});
   run(t.world, 3.0);

@@ -268,6 +268,18 @@ class Shapes(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "edge"):
             engine.Polyhedron(corners, [faces[0][::-1], *faces[1:]])
 
+    def test_a_wrong_measure_is_named_wherever_the_shape_goes(self):
+        for shape, words in ((lambda: engine.Ellipsoid([0.1, 0.1, -0.1]), "ellipsoid radius: -0.1"),
+                             (lambda: engine.Ellipsoid([np.nan, 1, 1]), "ellipsoid radius: nan"),
+                             (lambda: engine.Cylinder(-1, 1), "cylinder radius: -1"),
+                             (lambda: engine.Cone(1, 0), "cone height: 0")):
+            with self.assertRaisesRegex(ValueError, words):
+                engine.Body(shape())
+        with self.assertRaisesRegex(ValueError, "no principal moment above the sum of the two others"):
+            engine.Body(engine.Ellipsoid([0.1] * 3), inertia=np.diag([1.0, 1.0, 5.0]))
+        with self.assertRaisesRegex(ValueError, "count: expected 0 or more, found -5"):
+            engine.World().step(-5)
+
     def test_a_compound_is_put_about_its_centre(self):
         parts = [engine.Part(engine.Ellipsoid([0.1] * 3), [x, 0, 0]) for x in (0.0, 1.0)]
         off = engine.Compound(parts)

@@ -100,6 +100,10 @@ class Frames(unittest.TestCase):
     def test_come_in_the_order_asked_for(self):
         self.assertEqual([frame.number for frame in self.trial.frames([9, 3, 9])], [9, 3, 9])
         self.assertEqual(self.trial.frames([]), [])
+        self.assertEqual([frame.number for frame in self.trial.frames(np.arange(2, 5))], [2, 3, 4])
+        self.assertEqual(self.trial.frames(np.int64(3)).number, 3)
+        with self.assertRaisesRegex(TypeError, "frames: expected whole numbers, found "):
+            self.trial.frames("12")
 
     def test_cannot_be_written_and_outlive_their_frame(self):
         image = self.trial.frames(0).image

@@ -79,6 +79,12 @@ class Replay(unittest.TestCase):
                       {"iterations": 4}, {"set": {"ball.mas": 5}}, {"set": {"ball.mass": "much"}}):
             with self.assertRaises(ValueError, msg=words):
                 trial.replay(**words)
+        for words, said in (({"friction": "0.5"}, "friction: expected a number, found '0.5'"),
+                            ({"elasticity": [1]}, "elasticity: expected a number, found "),
+                            ({"iterations": 5.5}, "iterations: expected a whole number, found 5.5"),
+                            ({"set": "ball.mass=5"}, "set: expected a dict, found ")):
+            with self.assertRaisesRegex(TypeError, said):
+                trial.replay(**words)
         with self.assertRaisesRegex(TypeError, "fricton"):
             trial.replay(fricton=0)
         said = subprocess.run([support.PROGRAM, "replay", support.DEMO, "--set", "ball.mass=-1"], capture_output=True,

@@ -53,6 +53,15 @@ TEST(ATrialOfBefore, ComesToTheHashesOfItsTime) {
             (Hashes{"5b510b5c5a605014", "41d3efc8e187eb85"}));
 }
 
+// Made in November 2026, by the step of rules 5: a ball slides and hooks on oil, and ten pins fly, under the
+// response coulomb.
+TEST(ATrialOfRules5, ComesToTheHashesOfItsTimeAndToOthersUnderRules6) {
+  const std::string path = HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-5.lcmlog";
+  const Hashes made{"3690532550c7314c", "c3ef93bcedfa702d"};
+  EXPECT_EQ(replayed(path), made);
+  EXPECT_FALSE(replayed(path, 6) == made);
+}
+
 // Made in November 2026, by the step of rules 4: ten pins on a lane with gutters and kick-backs, each of
 // whose parts was searched.
 TEST(ATrialOfRules4, ComesToTheHashesOfItsTimeAndToOthersUnderRules5) {

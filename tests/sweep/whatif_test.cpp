@@ -8,6 +8,7 @@
 #include <numbers>
 #include <numeric>
 #include <random>
+#include <set>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -90,6 +91,24 @@ TEST(ThrowAgain, AtAnotherMomentIsTheSessionWhoseTriggerOpensThen) {
     const Outcome again = throw_again(demo_throw(), {.shift = Time{1000 * later_ms}});
     EXPECT_NO_FATAL_FAILURE(expect_same_throw(again, whole.throws.front())) << later_ms;
   }
+}
+
+// A sample is used `rig.delay_s` after it came, so of a short window it came before its session.
+TEST(ThrowAgain, IsTheSameWhateverTheLongestShiftThatIsAskedFor) {
+  ASSERT_GT(demo().scenario.rig.delay_s, 0.02);
+  Situations few(Time{5'000});
+  played(demo().scenario, demo().samples, 7.0, &few);
+  ASSERT_EQ(few.all().size(), 1u);
+  std::set<double> speeds;
+  for (const int later_ms : {-5, -1, 0, 1, 3, 5}) {
+    const Release release{.shift = Time{1000 * later_ms}};
+    const Outcome of_few = throw_again(few.all().front(), release);
+    const Outcome of_many = throw_again(demo_throw(), release);
+    EXPECT_NO_FATAL_FAILURE(expect_same_throw(of_few, of_many.thrown)) << later_ms;
+    EXPECT_EQ(of_few.down, of_many.down) << later_ms;
+    speeds.insert(of_few.thrown.speed);
+  }
+  EXPECT_EQ(speeds.size(), 6u);
 }
 
 TEST(ThrowAgain, BeforeTheHandHadTheBallNothingIsReleased) {
