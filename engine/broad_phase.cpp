@@ -46,11 +46,11 @@ struct Slot {
 }  // namespace
 
 const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_W,
-                                                std::span<const std::uint8_t> moving,
-                                                double margin) {
+                                                std::span<const std::uint8_t> moving, double margin,
+                                                std::span<const Box> limits_W) {
   pairs_.clear();
   found_.clear();
-  const Bodies bodies{bounds_W, moving, margin};
+  const Bodies bodies{bounds_W, moving, margin, limits_W};
   if (bounds_W.size() < 2 ||
       (!moving.empty() && std::find(moving.begin(), moving.end(), 1) == moving.end())) {
     boxes_.clear();
@@ -76,8 +76,12 @@ double BroadPhase::make_boxes(const Bodies& bodies) {
   double extent = 0.0;
   for (std::size_t i = 0; i < boxes_.size(); ++i) {
     const Capsule& c = bodies.bounds_W[i];
-    const Vec3 r = Vec3::Constant(c.radius + 0.5 * bodies.margin);
-    boxes_[i] = {c.a.cwiseMin(c.b) - r, c.a.cwiseMax(c.b) + r};
+    boxes_[i] = box_around(c, 0.5 * bodies.margin);
+    if (!bodies.limits_W.empty()) {
+      const Vec3 slack = Vec3::Constant(0.5 * bodies.margin);
+      boxes_[i].low = boxes_[i].low.cwiseMax(bodies.limits_W[i].low - slack);
+      boxes_[i].high = boxes_[i].high.cwiseMin(bodies.limits_W[i].high + slack);
+    }
     extent += (boxes_[i].high - boxes_[i].low).maxCoeff();
   }
   return extent;
@@ -216,8 +220,7 @@ void BroadPhase::sort_pairs() {
 
 void BroadPhase::find_near(const Capsule& bounds_W, std::vector<std::uint32_t>& out) const {
   out.clear();
-  const Vec3 r = Vec3::Constant(bounds_W.radius);
-  const Box box{bounds_W.a.cwiseMin(bounds_W.b) - r, bounds_W.a.cwiseMax(bounds_W.b) + r};
+  const Box box = box_around(bounds_W, 0.0);
   const auto test = [&](std::uint32_t i) {
     if (box.meets(boxes_[i])) out.push_back(i);
   };

@@ -31,10 +31,11 @@ class BroadPhase {
   /// @param moving    1 for bodies that move, 0 for those at rest; empty: all move. A pair of two
   ///   bodies at rest is not reported.
   /// @param margin    report also those closer than this [m]
+  /// @param limits_W  boxes that have all of each body too, as a capsule is far round a flat one; empty: none
   /// @return          pairs by first, then second index; good until the next call
   const std::vector<Pair>& find_pairs(std::span<const Capsule> bounds_W,
                                       std::span<const std::uint8_t> moving = {},
-                                      double margin = 0.0);
+                                      double margin = 0.0, std::span<const Box> limits_W = {});
 
   /// Bodies of the last call whose boxes at that time overlap the box around a capsule.
   ///
@@ -42,15 +43,6 @@ class BroadPhase {
   void find_near(const Capsule& bounds_W, std::vector<std::uint32_t>& out) const;
 
  private:
-  struct Box {
-    Vec3 low, high;
-    bool meets(const Box& other) const {
-      for (int k = 0; k < 3; ++k) {  // most pairs differ in the first
-        if (!(low[k] <= other.high[k] && other.low[k] <= high[k])) return false;
-      }
-      return true;
-    }
-  };
   struct Cells {
     std::int32_t low[3], high[3];
   };
@@ -62,6 +54,7 @@ class BroadPhase {
     std::span<const Capsule> bounds_W;
     std::span<const std::uint8_t> moving;
     double margin;
+    std::span<const Box> limits_W;
     bool moves(std::uint32_t i) const { return moving.empty() || moving[i] != 0; }
     bool any_moves(std::uint32_t i, std::uint32_t j) const { return moves(i) || moves(j); }
     bool meet(std::uint32_t i, std::uint32_t j) const {

@@ -148,7 +148,36 @@ bool holds(const Capsule& c, const std::vector<Part>& parts, const Vec3& axis) {
   return true;
 }
 
+Box box_of(const Polyhedron& polyhedron, const Pose& X_BG) {
+  const double far = std::numeric_limits<double>::infinity();
+  Box box{Vec3::Constant(far), Vec3::Constant(-far)};
+  for (const Vec3& vertex : polyhedron.vertices()) {
+    const Vec3 p_B = X_BG * vertex;
+    box.low = box.low.cwiseMin(p_B);
+    box.high = box.high.cwiseMax(p_B);
+  }
+  return box;
+}
+
+/// Sets the boxes of a compound of polyhedra.
+void set_boxes(Compound& c) {
+  for (const Part& part : c.parts) {
+    c.part_box.push_back(box_of(std::get<Polyhedron>(part.shape), part.X_BG));
+  }
+  c.box = c.part_box.front();
+  for (const Box& box : c.part_box) {
+    c.box.low = c.box.low.cwiseMin(box.low);
+    c.box.high = c.box.high.cwiseMax(box.high);
+  }
+}
+
 }  // namespace
+
+Box operator*(const Pose& X_WB, const Box& box) {
+  const Vec3 middle = X_WB * Vec3(0.5 * (box.low + box.high));
+  const Vec3 half = X_WB.q.toRotationMatrix().cwiseAbs() * Vec3(0.5 * (box.high - box.low));
+  return {middle - half, middle + half};
+}
 
 Compound make_compound(std::vector<Part> parts) {
   if (parts.empty()) throw std::invalid_argument("compound: no parts");
@@ -168,6 +197,7 @@ Compound make_compound(std::vector<Part> parts) {
   }
   c.faceted = std::ranges::all_of(
       c.parts, [](const Part& part) { return std::holds_alternative<Polyhedron>(part.shape); });
+  if (c.faceted) set_boxes(c);
   if (unbounded) return c;
   c.bounds = {Vec3::Zero(), Vec3::Zero(), c.bounding_radius};
   for (const Vec3& axis : {Vec3(Vec3::UnitZ()), Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY())}) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "engine/shape.h"
@@ -18,6 +19,27 @@ inline Capsule operator*(const Pose& X, const Capsule& c) {
   return {X * c.a, X * c.b, c.radius};
 }
 
+/// All points between two corners, along the axes of its frame; unlimited as it comes.
+struct Box {
+  Vec3 low = Vec3::Constant(-std::numeric_limits<double>::infinity());
+  Vec3 high = Vec3::Constant(std::numeric_limits<double>::infinity());
+  bool meets(const Box& other) const {
+    for (int k = 0; k < 3; ++k) {  // most pairs differ in the first
+      if (!(low[k] <= other.high[k] && other.low[k] <= high[k])) return false;
+    }
+    return true;
+  }
+};
+
+/// The box in W around a box in B.
+Box operator*(const Pose& X_WB, const Box& box);
+
+/// The box around all points within `margin` of a capsule [m].
+inline Box box_around(const Capsule& c, double margin) {
+  const Vec3 r = Vec3::Constant(c.radius + margin);
+  return {c.a.cwiseMin(c.b) - r, c.a.cwiseMax(c.b) + r};
+}
+
 struct Part {
   Shape shape;
   Pose X_BG;  ///< pose of the shape's frame G in the frame B of the compound
@@ -31,6 +53,8 @@ struct Compound {
   std::vector<double> part_radius;        ///< sphere about the origin of each part's G [m]
   std::vector<std::uint8_t> part_turned;  ///< 1 if G has another orientation than B
   bool faceted = false;                   ///< every part is a polyhedron
+  std::vector<Box> part_box;              ///< in B; of a faceted one
+  Box box;                                ///< around all of these
 };
 
 /// @throws std::invalid_argument  without parts, or if a size of a part is not finite and

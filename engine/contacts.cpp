@@ -313,7 +313,10 @@ void meet_faces(const Posed& of, Side faceted) {
   const Pose &X_WF = of_a ? of.X_WA : of.X_WB, &X_WM = of_a ? of.X_WB : of.X_WA;
   const auto of_b = static_cast<std::uint32_t>(of.b.parts.size());
   std::optional<PartSearch> search;  // most bodies need none
+  Box around_m;                      // in the frame of F
+  if (of.query.boxes) around_m = box_around(relative(X_WF, X_WM) * m.bounds, of.margin);
   for (std::uint32_t k = 0; k < f.parts.size(); ++k) {
+    if (!around_m.meets(f.part_box[k])) continue;
     Over over{faceted,
               Faces(std::get<Polyhedron>(f.parts[k].shape), of.margin),
               pose_of(X_WF, f, k),

@@ -52,6 +52,12 @@ bool is_being_left(const World& world, const Flight& flight, const Touches& touc
   return false;
 }
 
+/// Whether a body cannot meet a half-space within the step, with some room for rounding.
+bool is_above(const Capsule& bounds_W, const Plane& plane) {
+  const double low = std::min(plane.up.dot(bounds_W.a), plane.up.dot(bounds_W.b));
+  return low - plane.height > bounds_W.radius + 2.0 * kMargin;
+}
+
 /// Finds candidates: pairs whose bounds meet. The bounds are widened by the distance that a body
 /// can move within the step.
 void find_pairs(World& world, const Flight& flight, Workspace& w) {
@@ -68,12 +74,17 @@ void find_pairs(World& world, const Flight& flight, Workspace& w) {
   touches.normals.clear();
   world.statistics.pairs = 0;  // they are found again where a body wakes
   std::size_t last = 0;
-  for (const BodyId i : roll.movers) {
-    for (const BodyId wall : roll.unbounded) {
+  for (std::size_t k = 0; k < roll.bounded.size(); ++k) {
+    const BodyId i = roll.bounded[k];
+    if (!is_mover(world, i)) continue;
+    for (std::size_t n = 0; n < roll.unbounded.size(); ++n) {
+      if (is_above(roll.bounds_W[k], roll.planes_W[n])) continue;
+      const BodyId wall = roll.unbounded[n];
       add_known(world, key_of(false, i, wall), i, wall, last, touches);
     }
   }
-  for (const Pair& pair : w.broad_phase.find_pairs(roll.bounds_W, roll.moving, kMargin)) {
+  for (const Pair& pair :
+       w.broad_phase.find_pairs(roll.bounds_W, roll.moving, kMargin, roll.limits_W)) {
     const BodyId a = roll.bounded[pair.first], b = roll.bounded[pair.second];
     if (world.bodies[a].kind != Kind::free && world.bodies[b].kind != Kind::free) continue;
     add_known(world, key_of(true, a, b), a, b, last, touches);

@@ -105,6 +105,9 @@ struct Query {
   /// four points of their rim. In older trials each pair of parts is searched, and discs stand on three
   /// points on a half-space.
   bool faces = true;
+  /// Parts of a compound of polyhedra are left out where their boxes do not meet the body's. Under older
+  /// rules they are tested, which may give the next query another normal to start from.
+  bool boxes = true;
   /// Converged mode stops at the proof of a gap of more than this; a closer pair gets its closest
   /// points, apart or not [m].
   double margin = 0.0;

@@ -1,7 +1,16 @@
 #include "engine/paths.h"
 
+#include <limits>
+
 namespace headpin::engine::detail {
 namespace {
+
+Plane surface_of(const Compound& shape, const Pose& X_WB) {
+  if (shape.parts.size() > 1) return {Vec3::Zero(), std::numeric_limits<double>::infinity()};
+  const Pose X_WG = X_WB * shape.parts[0].X_BG;
+  const Vec3 up = z_axis(X_WG.q);
+  return {up, up.dot(X_WG.p)};
+}
 
 /// Lists the bodies that take part in a step, and their bounds.
 void call_roll(World& world) {
@@ -12,6 +21,8 @@ void call_roll(World& world) {
   roll.bounded.clear();
   roll.bounds_W.clear();
   roll.moving.clear();
+  roll.limits_W.clear();
+  roll.planes_W.clear();
   for (BodyId i = 0; i < world.bodies.size(); ++i) {
     const Body& body = world.bodies[i];
     const bool driven = body.kind == Kind::driven, free = is_mover(world, i);
@@ -19,11 +30,15 @@ void call_roll(World& world) {
     if (free) roll.movers.push_back(i);
     if (!std::isfinite(body.shape->bounding_radius)) {
       roll.unbounded.push_back(i);
+      roll.planes_W.push_back(surface_of(*body.shape, world.states[i].X_WB));
       continue;
     }
     roll.bounded.push_back(i);
     roll.moving.push_back(free || driven);
     roll.bounds_W.push_back(world.states[i].X_WB * body.shape->bounds);
+    if (world.parameters.rules < 6) continue;
+    const bool flat = body.kind == Kind::fixed && body.shape->faceted;
+    roll.limits_W.push_back(flat ? world.states[i].X_WB * body.shape->box : Box{});
   }
   roll.made = true;
 }

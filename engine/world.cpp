@@ -196,6 +196,7 @@ World make_world(const Parameters& parameters, SameLayout) {
   world.parameters = parameters;
   if (parameters.rules < 4) world.parameters.query.steady = false;
   if (parameters.rules < 5) world.parameters.query.faces = false;
+  if (parameters.rules < 6) world.parameters.query.boxes = false;
   world.response = &response_named(parameters.response);
   return world;
 }

@@ -64,6 +64,34 @@ TEST(BroadPhase, FindsThePairsThatABruteSearchFinds) {
   }
 }
 
+// A capsule is far round a plate, so balls beside it seem to meet it; its box leaves most of them out, and
+// none that is near, whose distance a clamped point gives.
+TEST(BroadPhase, LeavesOutWhatIsBesideAPlateAndNothingNear) {
+  Random random(10);
+  BroadPhase broad_phase;
+  const Vec3 half(0.5, 0.6, 0.02);
+  const Compound plate = make_compound({{test::box(half), {}}});
+  EXPECT_EQ(plate.box.low, -half);
+  EXPECT_EQ(plate.box.high, half);
+  int round = 0, limited = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Pose X_WB{i % 2 == 0 ? Quat::Identity() : rotation(point(random, 3.0)),
+                    point(random, 1.0)};
+    const Capsule ball{X_WB * point(random, 1.2), Vec3::Zero(), random.uniform(0.01, 0.2)};
+    const std::vector<Capsule> bounds{X_WB * plate.bounds, {ball.a, ball.a, ball.radius}};
+    const std::vector<Box> limits{X_WB * plate.box, {}};
+    const Vec3 p_B = X_WB.inverse() * ball.a;
+    const double gap = (p_B - p_B.cwiseMax(-half).cwiseMin(half)).norm() - ball.radius;
+    const std::size_t found = broad_phase.find_pairs(bounds, {}, 0.01, limits).size();
+    if (gap <= 0.01) {
+      ASSERT_EQ(found, 1u) << gap;
+    }
+    limited += static_cast<int>(found);
+    round += static_cast<int>(broad_phase.find_pairs(bounds, {}, 0.01).size());
+  }
+  EXPECT_LT(limited, 0.75 * round);
+}
+
 // Ten skittles on their spots do not touch each other's bounds, though their spheres overlap.
 TEST(TenStandingSkittles, MakeNoPair) {
   const Compound skittle =
