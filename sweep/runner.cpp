@@ -89,23 +89,33 @@ std::vector<std::string> Replayer::run(std::size_t number, const std::vector<std
                                        const std::function<void()>& check) {
   const Trial& trial = trials_[number];
   try {
-    scene::Session session = scene::make_session(stage_of(number, values));
-    session.hashes = false;
-    devices::ReplaySource source(trial.samples);
-    Result sum(&own_condition(trial));
-    scene::NoPace pace;
-    scene::Observer* const observer = &sum;
-    const std::int64_t ticks = scene::tick_count(trial.summary, session.scenario().rates.physics_hz,
-                                                 trial.scenario.rates.physics_hz);
-    scene::run(session, source, pace, std::span(&observer, 1), [&](const scene::Session& s) {
+    const auto check_this = [&] {
       try {
         check();
       } catch (...) {
         throw Interrupted{std::current_exception()};
       }
-      return s.tick >= ticks;
-    });
-    return sum.cells(session);
+    };
+    const auto begin = [&] {
+      Run run{scene::make_session(stage_of(number, values)), devices::ReplaySource(trial.samples),
+              Result(&own_condition(trial))};
+      run.session.hashes = false;
+      return run;
+    };
+    Run run = start_.run_of(text_of_others(number, keys_, values), begin, check_this);
+    scene::NoPace pace;
+    scene::Observer* const observer = &run.sum;
+    const std::int64_t ticks = scene::tick_count(
+        trial.summary, run.session.scenario().rates.physics_hz, trial.scenario.rates.physics_hz);
+    std::optional<std::int64_t> first_touch;
+    scene::run(run.session, run.source, pace, std::span(&observer, 1),
+               [&](const scene::Session& s) {
+                 check_this();
+                 if (!first_touch && is_touched(s)) first_touch = s.tick;
+                 return s.tick >= ticks;
+               });
+    start_.learn(first_touch);
+    return run.sum.cells(run.session);
   } catch (const Interrupted& interrupted) {
     std::rethrow_exception(interrupted.why);
   } catch (const std::exception& error) {

@@ -10,6 +10,7 @@
 #include "scene/stage/stage.h"
 #include "sweep/apart.h"
 #include "sweep/rows.h"
+#include "sweep/shared_start.h"
 
 namespace headpin::sweep {
 
@@ -56,6 +57,7 @@ class Replayer {
   const std::vector<Trial>& trials_;
   std::shared_ptr<const scene::Stage> stage_;  ///< of the last replay
   std::string stage_text_;                     ///< what it was made from
+  SharedStart start_;
 };
 
 /// Simulates rows, one after the other. Each thread has its own.

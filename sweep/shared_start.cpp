@@ -1,0 +1,73 @@
+#include "sweep/shared_start.h"
+
+#include <utility>
+
+#include "scene/play/run.h"
+
+namespace headpin::sweep {
+namespace {
+
+/// Whether a key matters only where bodies touch.
+bool acts_at_touches(const std::string& key) {
+  return key == "elasticity" || key == "friction" || key == "response" ||
+         key == "collision.response" || key.starts_with("material.");
+}
+
+/// Gives a session the materials and the response of a stage that differs in nothing else.
+void change_stage(scene::Session& session, std::shared_ptr<const scene::Stage> stage) {
+  engine::World& world = session.world;
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    const engine::Kind kind = world.bodies[i].kind;  // the hand may hold a ball
+    world.bodies[i] = stage->world.bodies[i];
+    world.bodies[i].kind = kind;
+  }
+  world.parameters = stage->world.parameters;
+  world.response = stage->world.response;
+  session.stage = std::move(stage);
+}
+
+}  // namespace
+
+bool is_touched(const scene::Session& session) {
+  const engine::Statistics& last = session.world.statistics;
+  return last.contacts > 0 || last.impacts > 0 || !session.world.events.empty();
+}
+
+std::string text_of_others(std::size_t trial, const std::vector<std::string>& keys,
+                           const std::vector<std::string>& values) {
+  std::string text = std::to_string(trial);
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    if (!acts_at_touches(keys[k])) text += "\n" + values[k];
+  }
+  return text;
+}
+
+Run SharedStart::run_of(const std::string& text, const Begin& begin,
+                        const std::function<void()>& check) {
+  if (std::exchange(text_, text) != text) {
+    first_touch_.reset();
+    start_.reset();
+  }
+  Run run = begin();
+  const bool versions = run.session.versions[0] != nullptr;  // each has a stage of its own
+  if (!first_touch_ || versions) return run;
+  if (!start_) {
+    Run start = run;
+    while (start.session.tick + 1 < *first_touch_) {
+      check();
+      scene::advance(start.session, start.source);
+      start.sum.tick(start.session);
+    }
+    start_ = std::move(start);
+  }
+  std::shared_ptr<const scene::Stage> stage = run.session.stage;
+  run = *start_;
+  change_stage(run.session, std::move(stage));
+  return run;
+}
+
+void SharedStart::learn(std::optional<std::int64_t> first_touch) {
+  if (!first_touch_) first_touch_ = first_touch;
+}
+
+}  // namespace headpin::sweep

@@ -1,0 +1,61 @@
+// Rows that share the part of a throw before the first touch come to what each comes to alone.
+
+#include "sweep/shared_start.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sweep/runner.h"
+
+namespace headpin::sweep {
+namespace {
+
+const std::vector<Trial>& trials() {
+  static const std::vector<Trial> all{
+      read_trial(HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog"),
+      read_trial(HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-5.lcmlog")};
+  return all;
+}
+
+// Responses and materials alone, then a heavier ball and another trial in between.
+TEST(SharedStart, GivesEachRowWhatItComesToAlone) {
+  const std::vector<std::string> keys{"elasticity", "friction", "response", "ball.mass"};
+  struct One {
+    std::size_t trial;
+    std::vector<std::string> values;
+  };
+  const auto row = [](std::size_t trial, const std::string& elasticity, const std::string& friction,
+                      const std::string& response, const std::string& mass) {
+    return One{trial, {elasticity, friction, response, mass}};
+  };
+  const std::vector<One> rows{
+      row(0, "0.0", "0.9", "paper", "2.0"),   row(0, "0.9", "0.1", "coulomb", "2.0"),
+      row(0, "0.5", "0.5", "paper", "2.0"),   row(0, "0.5", "0.5", "paper", "3.0"),
+      row(0, "0.6", "0.2", "coulomb", "3.0"), row(1, "0.6", "0.2", "coulomb", "6.0"),
+      row(1, "0.8", "0.4", "coulomb", "6.0"), row(1, "0.9", "0.9", "paper", "6.0")};
+  Replayer shared(keys, trials());
+  std::vector<int> ticks;
+  for (const One& one : rows) {
+    ticks.push_back(0);
+    Replayer alone(keys, trials());
+    const std::vector<std::string> cells =
+        shared.run(one.trial, one.values, [&] { ++ticks.back(); });
+    EXPECT_EQ(cells, alone.run(one.trial, one.values, [] {}));
+    EXPECT_EQ(cells.back(), "");
+  }
+  // The second row of a start simulates it, the third has it; the ball is thrown in the middle of the trial.
+  EXPECT_EQ(ticks[1], ticks[0]);
+  EXPECT_LT(ticks[2], 0.6 * ticks[0]);
+  EXPECT_EQ(ticks[3], ticks[0]);
+  EXPECT_LT(ticks[7], 0.7 * ticks[5]);
+}
+
+TEST(SharedStart, IsThatOfRowsThatDifferInWhatActsAtTouchesAlone) {
+  const std::vector<std::string> keys{"material.ball.friction", "ball.mass", "collision.response"};
+  EXPECT_EQ(text_of_others(3, keys, {"a", "b", "c"}), text_of_others(3, keys, {"d", "b", "e"}));
+  EXPECT_NE(text_of_others(3, keys, {"a", "b", "c"}), text_of_others(3, keys, {"a", "d", "c"}));
+  EXPECT_NE(text_of_others(3, keys, {"a", "b", "c"}), text_of_others(4, keys, {"a", "b", "c"}));
+}
+
+}  // namespace
+}  // namespace headpin::sweep
