@@ -83,7 +83,8 @@ std::vector<double> weights(std::span<const double> t, double before) {
 }
 
 /// a^-1 for the first `n` rows and columns, positive definite.
-Square inverse(Square a, std::size_t n) {
+template <std::size_t n>
+Square inverse(Square a) {
   Square b{};
   for (std::size_t i = 0; i < n; ++i) b[i][i] = 1.0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -104,7 +105,8 @@ Square inverse(Square a, std::size_t n) {
   return b;
 }
 
-double form(const Four& x, const Square& a, const Four& y, std::size_t n) {
+template <std::size_t n>
+double form(const Four& x, const Square& a, const Four& y) {
   double sum = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < n; ++j) sum += x[i] * a[i][j] * y[j];
@@ -125,6 +127,40 @@ struct Design {
 
 constexpr double kScale = 0.05;  // of the times [s]
 
+/// Calls f.template operator()<n>() with the number of coefficients, so that loops over them have no counters: a
+/// moving hand is fitted at each tick.
+template <typename F>
+auto with_terms(std::size_t n, F&& f) {
+  return n == 4   ? f.template operator()<4>()
+         : n == 3 ? f.template operator()<3>()
+                  : f.template operator()<2>();
+}
+
+template <std::size_t n>
+void set_up(Design& d, std::span<const double> t, std::span<const double> w) {
+  Square normal{};
+  d.powers.resize(t.size());
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (!(w[i] > 0.0)) continue;
+    const double x = t[i] / kScale;
+    const Four& p = d.powers[i] = {1.0, x, x * x, x * x * x};
+    for (std::size_t a = 0; a < n; ++a) {
+      for (std::size_t b = 0; b < n; ++b) {
+        normal[a][b] += w[i] * p[a] * p[b];
+        d.squared[a][b] += w[i] * w[i] * p[a] * p[b];
+      }
+    }
+    d.sum += w[i];
+  }
+  d.solved = inverse<n>(normal);
+  if (d.used <= n) return;
+  d.apart.resize(t.size());
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    const Four& p = d.powers[i];
+    if (w[i] > 0.0) d.apart[i] = 1.0 - w[i] * form<n>(p, d.solved, p);
+  }
+}
+
 /// @param t  [s]; slopes are those at 0
 /// @param w  must outlive the result
 Design design(std::span<const double> t, std::span<const double> w) {
@@ -134,49 +170,29 @@ Design design(std::span<const double> t, std::span<const double> w) {
       std::ranges::count_if(w, [](double weight) { return weight > 0.0; }));
   if (d.used < 2) return d;
   d.n = d.used >= 5 ? 4 : d.used == 4 ? 3 : 2;
-  Square normal{};
-  d.powers.resize(t.size());
-  for (std::size_t i = 0; i < t.size(); ++i) {
-    if (!(w[i] > 0.0)) continue;
-    const double x = t[i] / kScale;
-    const Four& p = d.powers[i] = {1.0, x, x * x, x * x * x};
-    for (std::size_t a = 0; a < d.n; ++a) {
-      for (std::size_t b = 0; b < d.n; ++b) {
-        normal[a][b] += w[i] * p[a] * p[b];
-        d.squared[a][b] += w[i] * w[i] * p[a] * p[b];
-      }
-    }
-    d.sum += w[i];
-  }
-  d.solved = inverse(normal, d.n);
-  if (d.used <= d.n) return d;
-  d.apart.resize(t.size());
-  for (std::size_t i = 0; i < t.size(); ++i) {
-    const Four& p = d.powers[i];
-    if (w[i] > 0.0) d.apart[i] = 1.0 - w[i] * form(p, d.solved, p, d.n);
-  }
+  with_terms(d.n, [&]<std::size_t n> { set_up<n>(d, t, w); });
   return d;
 }
 
+template <std::size_t n>
 Fit fit(const Design& d, std::span<const Vec3> y) {
   Fit found;
-  if (d.used < 2) return found;
   std::array<Vec3, 4> right{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   for (std::size_t i = 0; i < y.size(); ++i) {
     if (!(d.w[i] > 0.0)) continue;
-    for (std::size_t a = 0; a < d.n; ++a) right[a] += d.w[i] * d.powers[i][a] * y[i];
+    for (std::size_t a = 0; a < n; ++a) right[a] += d.w[i] * d.powers[i][a] * y[i];
   }
   std::array<Vec3, 4> coefficient{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-  for (std::size_t a = 0; a < d.n; ++a) {
-    for (std::size_t b = 0; b < d.n; ++b) coefficient[a] += d.solved[a][b] * right[b];
+  for (std::size_t a = 0; a < n; ++a) {
+    for (std::size_t b = 0; b < n; ++b) coefficient[a] += d.solved[a][b] * right[b];
   }
   found.slope = coefficient[1] / kScale;
-  if (d.used <= d.n) return found;
+  if (d.used <= n) return found;
   double squares = 0.0, most = -1.0;
   for (std::size_t i = 0; i < y.size(); ++i) {
     if (!(d.w[i] > 0.0)) continue;
     Vec3 left = y[i];
-    for (std::size_t a = 0; a < d.n; ++a) left -= d.powers[i][a] * coefficient[a];
+    for (std::size_t a = 0; a < n; ++a) left -= d.powers[i][a] * coefficient[a];
     squares += d.w[i] * left.squaredNorm();
     // The decrease of the sum of squares without this point.
     const double without = d.w[i] * left.squaredNorm() / d.apart[i];
@@ -187,9 +203,14 @@ Fit fit(const Design& d, std::span<const Vec3> y) {
   }
   found.alone = d.used >= kFewestToJudge && kOffFit * (squares - most) < squares;
   const double variance =
-      squares / (3.0 * d.sum) * static_cast<double>(d.used) / static_cast<double>(d.used - d.n);
-  found.deviation = std::sqrt(variance * form(d.solved[1], d.squared, d.solved[1], d.n)) / kScale;
+      squares / (3.0 * d.sum) * static_cast<double>(d.used) / static_cast<double>(d.used - n);
+  found.deviation = std::sqrt(variance * form<n>(d.solved[1], d.squared, d.solved[1])) / kScale;
   return found;
+}
+
+Fit fit(const Design& d, std::span<const Vec3> y) {
+  if (d.used < 2) return {};
+  return with_terms(d.n, [&]<std::size_t n> { return fit<n>(d, y); });
 }
 
 /// The samples of a track that are used for a time, back to the start of the longest window.
@@ -202,7 +223,10 @@ Near samples_near(std::span<const Stamped<Pose>> track, Time at, const ReleaseWi
   const Time latest = std::min(at, track.back().time);
   std::size_t first = 0, oldest = 0, end = track.size();
   while (end > 0 && track[end - 1].time >= at + microseconds(kAfter)) --end;
-  while (oldest < end && track[oldest].time <= latest - window.longest()) ++oldest;
+  oldest =
+      static_cast<std::size_t>(std::ranges::upper_bound(track.first(end), latest - window.longest(),
+                                                        {}, &Stamped<Pose>::time) -
+                               track.begin());
   first = oldest;
   while (first < end && track[first].time <= latest - window.least) ++first;
   if (end - first < 3) first = oldest;
@@ -246,24 +270,28 @@ struct Fits {
 
 Fits fits(const Track& track, Time at, const Quat& q_WH, const ReleaseWindow& window) {
   std::vector<double> t;
-  std::vector<Vec3> p, turn;
+  std::vector<Vec3> p;
   t.reserve(track.size());
   p.reserve(track.size());
-  turn.reserve(track.size());
   for (const Stamped<Pose>& sample : track) {
     t.push_back(seconds(sample.time - at));
     p.push_back(sample.value.p - track.back().value.p);
-    turn.push_back(rotation_vector(sample.value.q * q_WH.conjugate()));
   }
+  const auto fit_turn = [&](const Design& times) {
+    std::vector<Vec3> turn(track.size(), Vec3::Zero());
+    for (std::size_t i = 0; i < track.size(); ++i) {
+      if (times.w[i] > 0.0) turn[i] = rotation_vector(track[i].value.q * q_WH.conjugate());
+    }
+    return fit(times, turn);
+  };
   const double past = std::max(0.0, -t.back());
   const double least = seconds(window.least) + past, most = seconds(window.longest()) + past;
   for (double before = least;; before = std::min(most, before + 0.25 * least)) {
     const std::vector<double> w = weights(t, before);
     const Design times = design(t, w);
     const Fit path = fit(times, p);
-    const auto used = std::ranges::count_if(w, [](double weight) { return weight > 0.0; });
-    const bool enough = used >= 3 && path.deviation <= window.accuracy;
-    if (path.alone || enough || before >= most) return {path, fit(times, turn)};
+    const bool enough = times.used >= 3 && path.deviation <= window.accuracy;
+    if (path.alone || enough || before >= most) return {path, fit_turn(times)};
   }
 }
 
