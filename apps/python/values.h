@@ -38,22 +38,29 @@ pybind11::object to_python(const Json& json) {
   return dict;
 }
 
+/// How messages call the values that become a T.
+template <typename T>
+constexpr std::string_view name_of_type() {
+  if (std::is_same_v<T, bool>) return "True or False";
+  if (std::is_integral_v<T>) return "a whole number";
+  if (std::is_floating_point_v<T>) return "a number";
+  if (std::is_same_v<T, pybind11::dict>) return "a dict";
+  return "whole numbers";
+}
+
 /// The value of an argument.
 /// @throws pybind11::type_error  for another type, naming the argument
 template <typename T>
 T argument(std::string_view name, const pybind11::handle& value) {
   try {
-    return value.cast<T>();
+    const bool is_dict = pybind11::hasattr(value, "keys");
+    if (!std::is_same_v<T, pybind11::dict> || is_dict) return value.cast<T>();
   } catch (const pybind11::cast_error&) {
-    const std::string_view expected = std::is_same_v<T, bool>             ? "True or False"
-                                      : std::is_integral_v<T>             ? "a whole number"
-                                      : std::is_floating_point_v<T>       ? "a number"
-                                      : std::is_same_v<T, pybind11::dict> ? "a dict"
-                                                                          : "whole numbers";
-    const std::string found = pybind11::repr(value);
-    throw pybind11::type_error(
-        fmt::format("{}: expected {}, found {}", name, expected, found.substr(0, 60)));
+    PyErr_Clear();  // the words below are ours
   }
+  const std::string found = pybind11::repr(value);
+  throw pybind11::type_error(
+      fmt::format("{}: expected {}, found {}", name, name_of_type<T>(), found.substr(0, 60)));
 }
 
 /// A value as scenarios write it in TOML, for `set={"ball.mass": 5}`: a number, bool, text, or a
