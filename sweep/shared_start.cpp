@@ -1,5 +1,6 @@
 #include "sweep/shared_start.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "scene/play/run.h"
@@ -42,32 +43,43 @@ std::string text_of_others(std::size_t trial, const std::vector<std::string>& ke
   return text;
 }
 
+SharedStart::Start& SharedStart::start_of(const std::string& text) {
+  constexpr std::size_t kMost = 16;  // of other values, which may change from row to row
+  const auto known = std::ranges::find(starts_, text, &Start::text);
+  Start start{.text = text, .first_touch = {}, .run = {}};
+  if (known != starts_.end()) {
+    start = std::move(*known);
+    starts_.erase(known);
+  } else if (starts_.size() == kMost) {
+    starts_.pop_front();
+  }
+  return starts_.emplace_back(std::move(start));
+}
+
 Run SharedStart::run_of(const std::string& text, const Begin& begin,
                         const std::function<void()>& check) {
-  if (std::exchange(text_, text) != text) {
-    first_touch_.reset();
-    start_.reset();
-  }
+  Start& start = start_of(text);
   Run run = begin();
   const bool versions = run.session.versions[0] != nullptr;  // each has a stage of its own
-  if (!first_touch_ || versions) return run;
-  if (!start_) {
-    Run start = run;
-    while (start.session.tick + 1 < *first_touch_) {
+  if (!start.first_touch || versions) return run;
+  if (!start.run) {
+    Run first = run;
+    while (first.session.tick + 1 < *start.first_touch) {
       check();
-      scene::advance(start.session, start.source);
-      start.sum.tick(start.session);
+      scene::advance(first.session, first.source);
+      first.sum.tick(first.session);
     }
-    start_ = std::move(start);
+    start.run = std::move(first);
   }
   std::shared_ptr<const scene::Stage> stage = run.session.stage;
-  run = *start_;
+  run = *start.run;
   change_stage(run.session, std::move(stage));
   return run;
 }
 
 void SharedStart::learn(std::optional<std::int64_t> first_touch) {
-  if (!first_touch_) first_touch_ = first_touch;
+  std::optional<std::int64_t>& known = starts_.back().first_touch;
+  if (!known) known = first_touch;
 }
 
 }  // namespace headpin::sweep

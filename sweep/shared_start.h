@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -39,9 +40,14 @@ class SharedStart {
   void learn(std::optional<std::int64_t> first_touch);
 
  private:
-  std::string text_;
-  std::optional<std::int64_t> first_touch_;  ///< tick; none before it is known
-  std::optional<Run> start_;
+  struct Start {
+    std::string text;
+    std::optional<std::int64_t> first_touch;  ///< tick; none before it is known
+    std::optional<Run> run;
+  };
+  Start& start_of(const std::string& text);
+
+  std::deque<Start> starts_;  ///< the last one is that of the last row
 };
 
 /// Whether bodies have touched in the last tick.

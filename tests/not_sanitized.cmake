@@ -2,18 +2,32 @@
 set(HEADPIN_NOT_SANITIZED
   Apart.ARowOfASweepTellsHowFarItIsFromItsTrial
   Apart.TheFirstContactIsWhenTheFirstSkittleIsStruck
+  BallPinchedOffCentre.LeavesNoFasterThanTheWedgeDrivesIt
+  BodyBetweenHandAndFloor.GainsNoMoreEnergyThanAHoopThatTheHandThrows
   BoxBetweenHandAndWall.GetsNoFasterThanTheHandWouldThrowIt
+  BoxPressedFarIntoABlock.IsPushedApartWithoutSpeedWhenTheHandStops
+  BundledScenario.StandsUntouchedForAMinute
   CapsuleDistance.IsThatOfTheNearestSamples
+  CommandLine.OneWordMeansOneThingInAllObjects
   Counterparts.AThrowWhoseBallWasNotBackIsTold
   Depth.OfPolyhedraIsThatOfTheirFacesAndEdges
   EachThrow.LosesNoneUnderAConditionThatLosesSome
   EachThrow.OfASkittleOfAnotherShapeStandsOnItsBase
+  EachThrow.UnderTheSameConditionIsWhatItWas
   FastrakDriverTest.AnHourOfStreamingLosesNothing
   FastrakDriverTest.TheEstimateIsTheMeasurementsTimeWithinAMillisecond
   FastrakDriverTest.TicksThatComeLateBendNoIntervalAndLoseNothing
+  FrameByFrame.ReadsTheHeadAtEachFramesOwnTime
   Frames.AreInTheLosslessVideoToTheBitForEveryDisplay
+  Goldens.OfEveryLookAreAsTheyWereLookedAt
+  HandLaws.NothingCarriedIsEverBelowTheLaneOrBehindAWall
+  Ids.AreWhereThePhysicsHasBallAndSkittles
   ImportTables.SoIsARealOne
+  LaneWear.LaysAPartOfTheOilDownBeyondItsEnd
+  Looks.HaveARoomWithoutHoles
+  Looks.ShowASkittleAt18MetresAlikeToBothEyes
   MassProperties.AgreeWithCountedPoints
+  Mcap.EveryBodyIsWhereTheTableOfStatesHasItToTheLastBit
   PaperDetection.PlaysTheSameGamesAtEveryCapAndAddsNoEnergy
   ParticipantCommands.OptionsActOnEveryVersionAndSetOnTheOneItNames
   ParticipantCommands.ThrowsThatAnotherConditionLosesAreToldAndMadeOnTheirOwn
@@ -21,12 +35,19 @@ set(HEADPIN_NOT_SANITIZED
   ParticipantCommands.WhatDiffersBetweenTwoTrialsIsNamed
   ParticipantTest.ItPlaysTheSameSheetsThroughAUnit
   ParticipantTest.ItsSamplesReplayToTheSameStatesEventsAndSheets
+  ParticipantTest.PlaysBothVersionsByTheDevicesAlone
   Picture.OfABallTellsWhereItIsFrom1To5Metres
+  Pins.ArePocketedAtBoardSeventeenAndAHalf
   Polyhedra.MeetOrDoNotWhateverTheMethod
   Power.GrowsWithPeopleAndIsChanceWithoutAnEffect
   Reference.EveryJsonKeyIsTold
+  SavedSession.GoesOnToTheBitAndWithTheSameEventsInTwoVersions
+  SavedSession.GoesOnToTheBitOnALaneWithWearInTwoVersions
+  SavedSession.GoesOnToTheEnd
   SavedWorld.GoesOnToTheBitFromAnyOf500TicksOfACrowd
   SavedWorld.GoesOnToTheBitFromAnyOf500TicksOfASession
+  Shadows.FallWhereTheBallIsBetweenFloorAndLightAnywhereInTheRoom
+  SharedStart.GivesEachRowWhatItComesToAlone
   StudyAnswers.AreScoredBesideWhatTheSessionsCameTo
   StudyAnswers.PowerIsThatOfTheLikelihoodRatiosOwnDistribution
   StudyUnderStress.KilledAnywhereItEndsWithTheSameBytes
@@ -34,10 +55,15 @@ set(HEADPIN_NOT_SANITIZED
   SweepCommands.TheScriptsForSlurmRunEveryPart
   SweepCommands.TheTableDoesNotDependOnWhoSimulatedWhichRow
   ThroughAUnit.TheSameThrowIsTheSameGameWhereverItsCycleIs
+  ThroughAUnit.TheThrowIsTheSameWhenTheUnitsProcessStandsStill
   ThrowAgain.AtAnotherMomentIsTheSessionWhoseTriggerOpensThen
   ThrowAgain.ManyThreadsGiveTheOutcomesOfOne
   TrialCommands.ASessionIsReplayedToTheTickThatItTells
   WhatIf.CostsOfARealThrowAreNeverNegativeAndItsOwnCountIsThere
+  WhatIfCommand.ARowHasTheHeightThatTheBallReallyHad
+  WhatIfCommand.IsAskedUnderAnyCondition
+  WhatIfCommand.SeveralBoardsTellTheRoomToMiss
+  WhatIfCommand.TheNumberOfJobsDoesNotChangeAByte
   WhatIfCommand.ThrowsKeepTheirNumbersUnderACondition
 )
 list(JOIN HEADPIN_NOT_SANITIZED ":" HEADPIN_NOT_SANITIZED)
