@@ -26,16 +26,16 @@ double moved(const Structure& s);
 /// friction 0.81.
 ///
 /// @param rules  of the step
-Structure arch(int stones, int rate_hz, int rules = 5);
+Structure arch(int stones, int rate_hz, int rules = Parameters{}.rules);
 
 /// Two storeys of playing cards that lean by 0.35 rad, under `coulomb`, friction 0.49: two pairs, a
 /// card across, and a pair on it.
-Structure card_house(int rate_hz, int rules = 5);
+Structure card_house(int rate_hz, int rules = Parameters{}.rules);
 
 /// Boxes 0.2 m wide and 0.1 m high of 1 kg, each up to 5 mm beside the middle, friction 0.49.
-Structure boxes_on_each_other(int count, int rate_hz, std::string_view response, int rules = 5);
+Structure boxes_on_each_other(int count, int rate_hz, std::string_view response, int rules = Parameters{}.rules);
 
 /// Skittles above a bin with walls at `half` from its middle [m]: 4 at a height, turned anyhow.
-Structure skittles_in_a_bin(int count, double half, std::string_view response, int rules = 5);
+Structure skittles_in_a_bin(int count, double half, std::string_view response, int rules = Parameters{}.rules);
 
 }  // namespace headpin::engine
