@@ -144,6 +144,7 @@ TEST(Move, LetsAFreeBodyFallAlongItsParabolaAndACarriedOneGoByItsVelocity) {
     Workspace w;
     depart(world, w.flight);
     w.solved.carried.assign(2, carried);
+    w.solved.slowed.assign(2, Vec3::Zero());
     world.states[1].v_WB = Vec3(2.0, 0.0, -kG * kStep);
     const Vec3 start = world.states[1].X_WB.p;
     move(world, w.flight, w.solved);

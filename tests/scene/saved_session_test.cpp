@@ -120,13 +120,14 @@ TEST(SavedSession, GoesOnToTheBitAndWithTheSameEventsInAGame) {
 
 // With the wear of the throws before, and of the one on its way.
 TEST(SavedSession, GoesOnToTheBitAndWithTheSameEventsOnALaneWithWear) {
+  constexpr int kThrows = 6;  // with fewer, no ball may roll where another has rolled
   Scenario scenario = bundled("house-oil");
   scenario.game.stray_fells = StrayFells::counted;  // so that balls roll where others have rolled
   scenario.lane.oil.wear = 0.5;
-  const SavedOften worn = played_by_somebody(scenario, 3, kSaves / 4);
+  const SavedOften worn = played_by_somebody(scenario, kThrows, kSaves / 4);
   goes_on(worn, kOneSecond);
   scenario.lane.oil.wear = 0.0;
-  const SavedOften fresh = played_by_somebody(scenario, 3, 0);
+  const SavedOften fresh = played_by_somebody(scenario, kThrows, 0);
   EXPECT_NE(worn.ticks.back().game_hash, fresh.ticks.back().game_hash);
   EXPECT_EQ(worn.ticks[2 * kOneSecond].game_hash, fresh.ticks[2 * kOneSecond].game_hash);
 }
