@@ -33,9 +33,11 @@ Structure arch(int stones, int rate_hz, int rules = Parameters{}.rules);
 Structure card_house(int rate_hz, int rules = Parameters{}.rules);
 
 /// Boxes 0.2 m wide and 0.1 m high of 1 kg, each up to 5 mm beside the middle, friction 0.49.
-Structure boxes_on_each_other(int count, int rate_hz, std::string_view response, int rules = Parameters{}.rules);
+Structure boxes_on_each_other(int count, int rate_hz, std::string_view response,
+                              int rules = Parameters{}.rules);
 
 /// Skittles above a bin with walls at `half` from its middle [m]: 4 at a height, turned anyhow.
-Structure skittles_in_a_bin(int count, double half, std::string_view response, int rules = Parameters{}.rules);
+Structure skittles_in_a_bin(int count, double half, std::string_view response,
+                            int rules = Parameters{}.rules);
 
 }  // namespace headpin::engine
