@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <deque>
+#include <filesystem>
 #include <stdexcept>
 #include <vector>
 
@@ -317,7 +318,10 @@ PseudoTerminal::PseudoTerminal(const std::string& link) {
 
 void PseudoTerminal::link_at(const std::string& link) {
   if (!may_link(link)) throw std::runtime_error(link + ": exists and is not a link to a terminal");
-  if (is_served(link)) throw base::Busy(link + ": another emulator uses it");
+  // A link that a killed emulator left may name our own terminal: the system gives free names again.
+  std::error_code no_link;
+  const bool ours = std::filesystem::read_symlink(link, no_link) == name_;
+  if (!ours && is_served(link)) throw base::Busy(link + ": another emulator uses it");
   base::place_link(name_, link);
   link_ = link;
 }
