@@ -195,7 +195,8 @@ nlohmann::ordered_json to_json(const std::optional<sweep::MissRoom>& room) {
 }
 
 std::string in_words(const sweep::MissRoom& room) {
-  return fmt::format("{:g} boards ({:+g} to {:+g}{})", room.boards(), room.from, room.to,
+  return fmt::format("{:g} {} ({:+g} to {:+g}{})", room.boards(),
+                     room.boards() == 1.0 ? "board" : "boards", room.from, room.to,
                      room.cut ? ", and perhaps beyond" : "");
 }
 

@@ -31,7 +31,7 @@ class BroadPhase {
   /// @param moving    1 for bodies that move, 0 for those at rest; empty: all move. A pair of two
   ///   bodies at rest is not reported.
   /// @param margin    report also those closer than this [m]
-  /// @param limits_W  boxes that have all of each body too, as a capsule is far round a flat one; empty: none
+  /// @param limits_W  a box that holds each body, for flat ones, whose capsules are wide; empty: none
   /// @return          pairs by first, then second index; good until the next call
   const std::vector<Pair>& find_pairs(std::span<const Capsule> bounds_W,
                                       std::span<const std::uint8_t> moving = {},

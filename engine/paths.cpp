@@ -5,6 +5,7 @@
 namespace headpin::engine::detail {
 namespace {
 
+/// @param shape  with a half-space
 Plane surface_of(const Compound& shape, const Pose& X_WB) {
   if (shape.parts.size() > 1) return {Vec3::Zero(), std::numeric_limits<double>::infinity()};
   const Pose X_WG = X_WB * shape.parts[0].X_BG;

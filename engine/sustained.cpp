@@ -158,8 +158,8 @@ Passes solve_rows(const Island& s) {
   return done;
 }
 
-/// Stores what friction gives bodies that slide on a level surface: at its limit, it is the same for the
-/// whole step. On a slope, the other forces along it act on a body as well.
+/// Stores the velocity that friction gives bodies that slide on a level surface. Friction at its limit is the
+/// same for the whole step. On a slope the normal force and gravity act along it too.
 void note_slide(const Island& s, const FrictionRows& f) {
   const Touch& touch = s.touches[f.touch];
   const double load = f.held ? f.load : load_of(s, s.solved[f.touch]);

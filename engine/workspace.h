@@ -169,7 +169,8 @@ struct Islands {
 struct Solved {
   std::vector<SolvedTouch> touches;  ///< of the touches, same numbers
   std::vector<double> carried;       ///< part of a body's weight that contacts carry, 0 to 1
-  std::vector<Vec3> slowed;  ///< velocity that sliding on a level surface gives a body [m/s]
+  std::vector<Vec3>
+      slowed;  ///< what friction adds to a body's velocity where it slides on a level surface [m/s]
   Islands islands;
   std::vector<Load> loads;
   std::vector<DeepRow> deep_rows;

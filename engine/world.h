@@ -50,12 +50,13 @@ struct Parameters {
   double sleep_spin = 0.03;   ///< [rad/s]
   double sleep_after = 0.25;  ///< [s]
   int rules = 6;  ///< of older trials: 5, with bodies that slide on a level surface moved by
-      ///< their end velocity, and flat bodies without boxes; 4, also with a search for each part over a single face,
-      ///< and discs on three points of a half-space; 3, also without the direct
-      ///< solution and with friction that is not quite opposite to the slip; 2,
-      ///< also without the corrections for bodies that turn far within a step;
-      ///< 1, also without those for squeezed, just landed and unsupported
-      ///< sleeping bodies
+                  ///< their end velocity, and flat bodies without boxes; 4, also with a
+                  ///< search for each part over a single face, and discs on three points
+                  ///< of a half-space; 3, also without the direct solution and with
+                  ///< friction that is not quite opposite to the slip; 2, also without
+                  ///< the corrections for bodies that turn far within a step; 1, also
+                  ///< without those for squeezed, just landed and unsupported sleeping
+                  ///< bodies
   bool keep_ledger = false;  ///< `World::ledger`; costs about a tenth of a step
 };
 
@@ -93,7 +94,7 @@ namespace detail {
 /// The surface of a half-space: normal, unit, out of the solid, and height over the origin along it.
 struct Plane {
   Vec3 up;
-  double height;  ///< [m]; infinite where it is not known
+  double height;  ///< [m]; infinite for a body of more parts, which then is never out of reach
 };
 
 /// The bodies that take part in a step, from their kinds, shapes and sleep; made when not `made`.

@@ -22,8 +22,8 @@ struct Run {
   Result sum;
 };
 
-/// Until two bodies touch, no elasticity, friction and response matters: rows that differ in these alone
-/// start from one copy, just before the first touch. Most of a throw is over then.
+/// Elasticity, friction and response do not matter until two bodies touch. So rows that differ in these alone
+/// start from one copy, just before the first touch: in the bundled trial after four of its seven seconds.
 class SharedStart {
  public:
   /// Makes a replay at its start.

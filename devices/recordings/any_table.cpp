@@ -71,9 +71,8 @@ bool is_blank(std::string_view cell) {
          text == "none";
 }
 
-/// Lines that have text, without byte order mark and line ends.
+/// Lines that have text, without line ends.
 std::vector<Line> lines_of(std::string_view text) {
-  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
   std::vector<Line> lines;
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t end = text.find_first_of("\r\n");

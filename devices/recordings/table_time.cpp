@@ -47,8 +47,10 @@ bool take(std::string_view& text, std::string_view any_of) {
   return true;
 }
 
-/// What stands behind a time of day, in seconds that it adds to a time without: "Z" and names of zones
-/// nothing, "+02:00", "+0200" and "+02" -7200, and "PM" half a day.
+/// What the text behind a time of day adds to it [s]: "+02:00", "+0200" and "+02" -7200; "PM" half a day, but
+/// nothing to 12 o'clock; "AM" takes half a day from 12 o'clock. "Z" and names of zones add nothing.
+///
+/// @return  none for a zone or an hour that cannot be
 std::optional<double> after_clock(std::string_view text, int hour) {
   while (take(text, " ")) {
   }
@@ -67,8 +69,8 @@ std::optional<double> after_clock(std::string_view text, int hour) {
   return east ? -ahead : ahead;
 }
 
-/// "2026-11-25T13:57:27.123+01:00", or "13:57:27.123" alone: seconds since 1970, or since midnight; of UTC where
-/// the time tells its zone.
+/// "2026-11-25T13:57:27.123+01:00", or "13:57:27.123" alone: seconds since 1970, or since midnight. If
+/// the text has an offset, in UTC.
 std::optional<double> date_seconds(std::string_view text) {
   double days = 0.0;
   std::string_view clock = text;

@@ -64,8 +64,8 @@ TEST(BroadPhase, FindsThePairsThatABruteSearchFinds) {
   }
 }
 
-// A capsule is far round a plate, so balls beside it seem to meet it; its box leaves most of them out, and
-// none that is near, whose distance a clamped point gives.
+// The capsule around a plate is wide, so balls beside the plate seem to meet it. Its box leaves most of them out, but
+// none that is near: a clamped point gives the distance.
 TEST(BroadPhase, LeavesOutWhatIsBesideAPlateAndNothingNear) {
   Random random(10);
   BroadPhase broad_phase;
