@@ -58,7 +58,8 @@ void write_flo(const std::string& path, const Flow& flow, std::int32_t width, st
 
 }  // namespace
 
-FrameFolder::FrameFolder(base::OutputFolder& folder, const FrameFiles& files, double pixel_aspect)
+FrameFolder::FrameFolder(base::OutputFolder& folder, const FrameFiles& files, double pixel_aspect,
+                         const std::map<std::uint32_t, std::string>& objects)
     : folder_(folder), files_(files), pixel_aspect_(pixel_aspect), index_(folder_.file(kIndex)) {
   index_ << "frame,time_s,tick";
   for (const char* eye : kEyes) {
@@ -67,17 +68,13 @@ FrameFolder::FrameFolder(base::OutputFolder& folder, const FrameFiles& files, do
     index_ << ',' << eye << "_hash";
   }
   index_ << '\n';
-  if (files_.ids) write_names();
+  if (files_.ids) write_names(objects);
 }
 
-void FrameFolder::write_names() {
+void FrameFolder::write_names(const std::map<std::uint32_t, std::string>& objects) {
   base::OutputText names(folder_.file("ids.csv"));
-  names << "id,is\n0,nothing\n"
-        << fmt::format("{},room\n{},hand\n{},stand\n{},button\n{},head\n{},score board\n",
-                       scene::kRoomId, scene::kHandId, scene::kStandId, scene::kButtonId,
-                       scene::kHeadId, scene::kBoardId)
-        << fmt::format("{} and on,balls\n{} and on,skittles\n", scene::kFirstBallId,
-                       scene::kFirstSkittleId);
+  names << "id,is\n0,nothing\n";
+  for (const auto& [id, name] : objects) names << fmt::format("{},{}\n", id, name);
   names.close();
 }
 

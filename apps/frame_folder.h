@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <future>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -16,7 +17,7 @@ namespace headpin::apps {
 struct FrameFiles {
   bool side_by_side = false;  ///< both eyes in one picture
   bool depth = false;         ///< along each eye's axis: PNG of 16 bits [mm], and float32 [m]
-  bool ids = false;           ///< object at each pixel's centre: PNG of 16 bits
+  bool ids = false;           ///< object at each pixel's centre: PNG of 16 bits, and ids.csv
   bool flow = false;  ///< displacement of each pixel until the next frame: Middlebury's .flo
   /// This frame, the last one, is only needed for the flow to it.
   std::optional<std::int64_t> flow_to = {};
@@ -29,8 +30,10 @@ struct FrameFiles {
 class FrameFolder : public scene::FrameSink {
  public:
   /// Without close(), leaves the folder as it was.
-  /// @param folder  must outlive this
-  FrameFolder(base::OutputFolder& folder, const FrameFiles& files, double pixel_aspect);
+  /// @param folder   must outlive this
+  /// @param objects  the numbers of ids and what they are
+  FrameFolder(base::OutputFolder& folder, const FrameFiles& files, double pixel_aspect,
+              const std::map<std::uint32_t, std::string>& objects);
 
   /// Takes a frame; its files are written while the next one is drawn.
   void add(const scene::EyeFrame& frame) override;
@@ -43,7 +46,7 @@ class FrameFolder : public scene::FrameSink {
   void write_files(const scene::EyeFrame& frame);
   void write_flow(const scene::EyeFrame& before, const scene::EyeFrame& after);
   void write_labels(const render::Labels& labels, const std::string& stem);
-  void write_names();
+  void write_names(const std::map<std::uint32_t, std::string>& objects);
 
   base::OutputFolder& folder_;
   FrameFiles files_;

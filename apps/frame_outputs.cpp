@@ -3,6 +3,8 @@
 #include <initializer_list>
 #include <utility>
 
+#include "scene/looks/looks.h"
+
 namespace headpin::apps {
 
 namespace {
@@ -31,16 +33,17 @@ Timing timing_of(const FramesOptions& options, std::int64_t fps) {
                                            : Hold::from_first_shown};
 }
 
-FrameOutputs::FrameOutputs(const FramesOptions& options, const render::Optics& optics,
-                           const std::array<render::View, 2>& views, std::int64_t fps,
-                           const std::optional<Heard>& heard) {
+FrameOutputs::FrameOutputs(const FramesOptions& options, const scene::Stage& stage,
+                           const render::Optics& optics, const std::array<render::View, 2>& views,
+                           std::int64_t fps, const std::optional<Heard>& heard) {
   const base::OutputFile::Options file{.overwrite = options.force, .inputs = {options.trial}};
   const Timing timing = timing_of(options, fps);
   if (options.folder) {
     FrameFiles files = options.files;
     files.side_by_side = options.layout == "side-by-side";
     pictures_.emplace(*options.folder, folder_beside(options, options.colmap));
-    sinks_.push_back(&folder_.emplace(*pictures_, files, optics.pixel_aspect()));
+    sinks_.push_back(&folder_.emplace(*pictures_, files, optics.pixel_aspect(),
+                                      scene::object_names(stage)));
   }
   if (options.cameras) {
     sinks_.push_back(&cameras_.emplace(base::OutputFile(*options.cameras, file), views));

@@ -45,9 +45,9 @@ class FrameOutputs {
  public:
   /// @param views  of both eyes, at any time
   /// @param heard  the sound, for a file or a video; nothing for none
-  FrameOutputs(const FramesOptions& options, const render::Optics& optics,
-               const std::array<render::View, 2>& views, std::int64_t fps,
-               const std::optional<Heard>& heard);
+  FrameOutputs(const FramesOptions& options, const scene::Stage& stage,
+               const render::Optics& optics, const std::array<render::View, 2>& views,
+               std::int64_t fps, const std::optional<Heard>& heard);
 
   const std::vector<scene::FrameSink*>& sinks() const { return sinks_; }
   void close();

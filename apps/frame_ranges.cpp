@@ -1,5 +1,6 @@
 #include "apps/frame_ranges.h"
 
+#include <algorithm>
 #include <charconv>
 
 #include <fmt/format.h>
@@ -48,10 +49,13 @@ bool FrameRanges::contains(std::int64_t frame) const {
   return false;
 }
 
-std::int64_t FrameRanges::count_below(std::int64_t count) const {
-  std::int64_t wanted = 0;
-  for (std::int64_t frame = 0; frame < count; ++frame) wanted += contains(frame);
-  return wanted;
+std::optional<std::int64_t> FrameRanges::first_not_in(std::span<const std::int64_t> frames) const {
+  for (const Range& r : ranges_) {
+    for (std::int64_t frame = r.first; frame <= r.last; ++frame) {
+      if (!std::ranges::binary_search(frames, frame)) return frame;
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace headpin::apps

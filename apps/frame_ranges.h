@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,8 +16,8 @@ class FrameRanges {
   explicit FrameRanges(const std::string& text);
 
   bool contains(std::int64_t frame) const;
-  /// How many of the frames 0 .. count - 1 are wanted.
-  std::int64_t count_below(std::int64_t count) const;
+  /// The first frame that is named and not among these, which rise.
+  std::optional<std::int64_t> first_not_in(std::span<const std::int64_t> frames) const;
 
  private:
   struct Range {

@@ -96,6 +96,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"device", "head, right hand, left hand or 3D mouse"},
     {"devices", "devices of a trial"},
     {"done", "number of rows of a sweep that are simulated"},
+    {"doubled", "messages that equal an earlier one to the byte: the trial is in the log twice"},
     {"drawing_failures", "number of failures of the process that draws a live session's frames"},
     {"drawn_by",
      "what determines the bits of the frames apart from the scene: renderer, processor, "
@@ -400,7 +401,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"trial", "file of the trial"},
     {"trigger_s", "time at which the trigger was released, as its device measured it"},
     {"trouble",
-     "stretches of undecodable, implausible, foreign, baseless, misdated, late, lost or astray "
+     "stretches of undecodable, implausible, foreign, baseless, doubled, misdated, late, lost or astray "
      "messages"},
     {"try", "options with which the file would be a person's throw"},
     {"turned_deg", "direction of a miss room, to the right of the real one"},

@@ -38,7 +38,7 @@ set(parts
   devices/base/clock_offset devices/base/clocks devices/base/genlock devices/base/resample devices/base/sequence_count
   devices/base/sources devices/log/event_log devices/log/layout devices/log/sample_messages
   render/data/hmd render/eyes
-  scene/record/details scene/record/file scene/record/first_difference scene/record/messages scene/record/misdated
+  scene/record/details scene/record/doubled scene/record/file scene/record/first_difference scene/record/messages scene/record/misdated
   scene/record/state_change scene/record/throw_fields
   scene/record/trial_messages scene/play/ball_path scene/play/game scene/play/game_hash scene/play/hand scene/play/lane_wear scene/play/outcome scene/play/parabola scene/play/player
   scene/play/presence scene/play/referee scene/play/release scene/play/run scene/play/score

@@ -223,10 +223,11 @@ void add_conformance(CLI::App& app) {
       ->capture_default_str();
   add_json(*command, options->json);
   command->footer(fmt::format("Clients: {}", fmt::join(client_names(), ", ")) +
-                  ".\nFirst, the command reads one pose in inches, in centimetres and in binary; "
-                  "the three must agree.\nA check that fails is repeated once. All checks take "
-                  "about two minutes. The unit is left running in\nits factory settings; nothing "
-                  "is saved in it.\n\nExample:\n  headpin conformance /dev/ttyUSB0");
+                  ".\nFirst, the command reads the pose in inches and centimetres, in ASCII and "
+                  "binary, as angles,\nquaternion and direction cosines; all must agree. A check "
+                  "that fails is repeated once. All checks\ntake about two minutes. The unit is "
+                  "left running in its factory settings; nothing is saved in it.\n\nExample:\n  "
+                  "headpin conformance /dev/ttyUSB0");
   command->callback([options] { examine_unit(*options); });
 }
 

@@ -112,6 +112,7 @@ devices::FastrakEmulatorOptions unit_of(const EmulateOptions& options,
   if (options.stylus) unit.p_SN_stylus = Vec3(2.5 * devices::kMetrePerInch, 0.0, 0.0);
   try {
     unit.faults = devices::parse_faults(options.faults);
+    devices::check_stations(unit.faults, options.receivers);
   } catch (const std::invalid_argument& error) {
     throw UsageError(std::string("--faults: ") + error.what());
   }

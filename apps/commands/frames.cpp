@@ -92,6 +92,15 @@ std::vector<std::int64_t> frames_until(Time end, std::int64_t fps, const FrameRa
   return frames;
 }
 
+/// Tells of named frames that do not exist; the others are drawn.
+void say_not_there(const std::string& asked, const FrameRanges& wanted,
+                   std::span<const std::int64_t> frames) {
+  if (const std::optional<std::int64_t> missing = wanted.first_not_in(frames)) {
+    say("headpin frames: --frames {}: frame {} does not exist; of the wanted ones {} do\n", asked,
+        *missing, frames.size());
+  }
+}
+
 void check_use(const FramesOptions& options) {
   if (!options.writes() && !options.verify) {
     throw UsageError(
@@ -186,7 +195,8 @@ FrameOutputs outputs_of(const FramesOptions& options, const Task& task,
   if (options.sound || (options.video && recorded.scenario.sound.on)) {
     heard.emplace(Heard{recorded, session, task.ticks, sound_parts(options, task, recorded)});
   }
-  return {options, eyes.optics, scene::views_of(eyes, {.X_WC = extras.X_WC}), task.fps, heard};
+  return {options,  *session.stage, eyes.optics, scene::views_of(eyes, {.X_WC = extras.X_WC}),
+          task.fps, heard};
 }
 
 /// Runs the session and gives the frames to the outputs.
@@ -342,6 +352,7 @@ void draw_frames(const FramesOptions& options) {
   say_not_drawn("frames", recorded.scenario);
   if (task.compares) task.why_not = check_comparable(options, recorded, eyes);
   say_what_is_missing("frames", options.trial, trial);
+  say_not_there(options.frames, wanted, task.frames);
   watch_stop_signals();
   const Done done = options.in_parts()
                         ? draw_apart(options, task, recorded, std::move(session), eyes)

@@ -65,6 +65,7 @@ void print_skipped(const scene::TrialSummary& trial) {
   line(trial.skipped.other_trials, "more trial in the same file, and what follows its header");
   line(trial.skipped.foreign, "poses in another frame than the transmitter's");
   line(trial.skipped.baseless, "states stored as changes of a state that is missing");
+  line(trial.skipped.doubled, "messages that equal an earlier one to the byte");
   line(trial.skipped.misdated,
        "samples and states with a time that those around them do not share");
   line(trial.backwards, "samples not later than the one before (kept)");

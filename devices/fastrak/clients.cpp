@@ -5,7 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "devices/fastrak/geometry.h"
 #include "devices/fastrak/replies.h"
+#include "devices/fastrak/setup.h"
 
 namespace headpin::devices {
 namespace {
@@ -277,43 +279,92 @@ const std::array<FastrakClient, 16> kClients = {{
     {"ROS 2 node", 1, ros2, "", kFactory, kFactory},
 }};
 
-/// Positions of all stations from one command P [m]; empty if the set is not complete.
-std::vector<Vec3> read_places(FastrakLine& line, int stations, const FastrakFormat& format,
+/// A receiver as one record shows it.
+struct Reading {
+  Vec3 p = Vec3::Zero();  ///< p_TS [m]
+  Mat3 R = Mat3::Zero();  ///< R_TS, as it came: of a faulty unit it may be no rotation
+};
+
+/// Readings of all stations from one command P; empty if the set is not complete.
+std::vector<Reading> read_all(FastrakLine& line, int stations, const FastrakFormat& format,
                               Demands& demands) {
   const std::size_t length = fastrak_record_length(format);
   const auto set = static_cast<std::size_t>(stations) * length;
   const std::string heard = line.ask("P", 1s, set);
-  std::vector<Vec3> places;
+  std::vector<Reading> readings;
   for (std::size_t at = 0; at + length <= heard.size(); at += length) {
     const std::string_view bytes = std::string_view(heard).substr(at, length);
     const auto record = decode_record(
         Bytes(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()), format);
-    if (!record || record->station != static_cast<int>(places.size()) + 1) break;
-    places.push_back(format.metre_per_unit() * record->position);
+    if (!record || record->station != static_cast<int>(readings.size()) + 1) break;
+    const Pose X_TS = pose_of(*record, format);
+    const bool matrix = attitude_of(format.items) == FastrakAttitude::matrix;
+    readings.push_back({X_TS.p, matrix ? record->attitude : X_TS.q.toRotationMatrix()});
   }
-  const bool whole = places.size() == static_cast<std::size_t>(stations);
+  const bool whole = readings.size() == static_cast<std::size_t>(stations);
   demand(line, demands, fmt::format("a set of {} bytes, {} for each station", set, length), whole,
          heard);
-  return whole ? places : std::vector<Vec3>();
+  return whole ? readings : std::vector<Reading>();
+}
+
+/// The largest distance between the tips of two frames' axes: for small turns their angle [rad].
+double turn(const Mat3& a, const Mat3& b) {
+  return (a - b).colwise().norm().maxCoeff();
+}
+
+/// What differs between a reading and those before and after it; empty if nothing does.
+std::string difference(const Reading& before, const Reading& read, const Reading& after) {
+  constexpr double kRounding = 0.002, kShare = 0.02;  // m, and of the distance: noise
+  constexpr double kTurn = 0.03, kDeviations = 10.0;  // rad, and of the unit's noise there
+  const Vec3 p = 0.5 * (before.p + after.p);
+  if ((read.p - p).norm() > kRounding + kShare * p.norm() + (after.p - before.p).norm()) {
+    return fmt::format("{:.3f}, {:.3f}, {:.3f} m, and {:.3f}, {:.3f}, {:.3f} m", read.p.x(),
+                       read.p.y(), read.p.z(), p.x(), p.y(), p.z());
+  }
+  const Mat3 R = Quat(before.R).slerp(0.5, Quat(after.R)).toRotationMatrix();
+  const double noise = kDeviations * noise_at(p.norm()).rotation;
+  if (turn(read.R, R) <= kTurn + noise + turn(before.R, after.R)) return "";
+  const auto axes = [](const Mat3& axes_TS) {
+    const auto axis = [&](int i) {
+      return fmt::format("({:.3f}, {:.3f}, {:.3f})", axes_TS(0, i), axes_TS(1, i), axes_TS(2, i));
+    };
+    return fmt::format("{} {} {}", axis(0), axis(1), axis(2));
+  };
+  return fmt::format("axes {}, and axes {}", axes(read.R), axes(R));
 }
 
 /// Requires that one reading agrees with the readings before and after it.
-void same_places(FastrakLine& line, const std::vector<Vec3>& before, const std::vector<Vec3>& read,
-                 const std::vector<Vec3>& after, const std::string& what, Demands& demands) {
-  constexpr double kRounding = 0.002, kShare = 0.02;  // m, and of the distance: noise
+///
+/// @param sent  what the unit was told before this reading
+void same_pose(std::string_view sent, const std::vector<Reading>& before,
+               const std::vector<Reading>& read, const std::vector<Reading>& after,
+               std::string_view form, Demands& demands) {
   if (before.size() != read.size() || read.size() != after.size()) return;  // already reported
   std::string wrong;
   for (std::size_t i = 0; i < read.size() && wrong.empty(); ++i) {
-    const Vec3 place = 0.5 * (before[i] + after[i]);
-    const double moved = (after[i] - before[i]).norm();
-    if ((read[i] - place).norm() <= kRounding + kShare * place.norm() + moved) continue;
-    wrong = fmt::format(
-        "station {} at {:.3f}, {:.3f}, {:.3f} m, and {:.3f}, {:.3f}, {:.3f} m in ASCII "
-        "and inches",
-        i + 1, read[i].x(), read[i].y(), read[i].z(), place.x(), place.y(), place.z());
+    const std::string found = difference(before[i], read[i], after[i]);
+    if (!found.empty()) wrong = fmt::format("station {}: {} in that form", i + 1, found);
   }
-  demands.push_back({shown_bytes(line.sent()), what, wrong.empty(), wrong});
+  demands.push_back({shown_bytes(sent),
+                     fmt::format("{} the pose that it is in ASCII, inches and angles", form),
+                     wrong.empty(), wrong});
 }
+
+/// A form of records beside the factory's: the commands into it and back, '#' for each station.
+struct Form {
+  std::string_view name, into, back;
+  FastrakFormat format;
+};
+
+const std::array<Form, 7> kForms = {{
+    {"in centimetres", "u", "U", {{2, 4, 1}, false, true}},
+    {"in binary", "f", "F", {{2, 4, 1}, true, false}},
+    {"as a quaternion", "O#,2,11,1\r", "O#,2,4,1\r", {{2, 11, 1}, false, false}},
+    {"as a binary quaternion", "fO#,2,11,1\r", "FO#,2,4,1\r", {{2, 11, 1}, true, false}},
+    {"as direction cosines", "O#,2,5,6,7,1\r", "O#,2,4,1\r", {{2, 5, 6, 7, 1}, false, false}},
+    {"with extended precision", "O#,52,54,1\r", "O#,2,4,1\r", {{52, 54, 1}, false, false}},
+    {"as an extended quaternion", "O#,52,61,1\r", "O#,2,4,1\r", {{52, 61, 1}, false, false}},
+}};
 
 }  // namespace
 
@@ -337,17 +388,21 @@ int examine_readings(FastrakLine& line, Demands& demands) {
   // Clients count receivers from station 1.
   const auto stations = static_cast<int>(std::ranges::find(*active, false) - active->begin());
   if (stations == 0) return 0;
-  const auto read_in = [&](std::string_view command, const FastrakFormat& format) {
-    tell(line, demands, command, 50ms);
-    return read_places(line, stations, format, demands);
+  const auto set = [&](std::string_view command) {
+    const bool each = command.find('#') != std::string_view::npos;
+    tell_each(line, demands, each ? stations : 1, command, 50ms);
   };
-  const FastrakFormat inches, centimetres{{2, 4, 1}, false, true}, binary{{2, 4, 1}, true, false};
-  const std::vector<Vec3> before = read_in("U", inches), metric = read_in("u", centimetres),
-                          after = read_in("U", inches);
-  same_places(line, before, metric, after, "in centimetres the place that it is in inches",
-              demands);
-  const std::vector<Vec3> packed = read_in("f", binary), last = read_in("F", inches);
-  same_places(line, after, packed, last, "in binary the place that it is in ASCII", demands);
+  set("U");
+  std::vector<Reading> before = read_all(line, stations, {}, demands);
+  for (const Form& form : kForms) {
+    set(form.into);
+    const std::string sent = line.sent();
+    const std::vector<Reading> read = read_all(line, stations, form.format, demands);
+    set(form.back);
+    std::vector<Reading> after = read_all(line, stations, {}, demands);
+    same_pose(sent, before, read, after, form.name, demands);
+    before = std::move(after);
+  }
   return stations;
 }
 

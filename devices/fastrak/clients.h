@@ -68,8 +68,9 @@ struct FastrakClient {
 
 std::span<const FastrakClient> fastrak_clients();
 
-/// Checks that the unit is a Fastrak, and that its positions in inches, in centimetres and in
-/// binary agree, up to the movement of a receiver in one second.
+/// Checks that the unit is a Fastrak, and that its poses agree in all forms: inches and centimetres,
+/// ASCII and binary, angles, quaternion, direction cosines and extended precision, up to the motion
+/// of a receiver between two readings.
 ///
 /// @return  number of receivers, from station 1; 0 if the unit does not report it
 int examine_readings(FastrakLine& line, std::vector<FastrakDemand>& demands);

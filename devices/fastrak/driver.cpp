@@ -305,28 +305,6 @@ bool FastrakDriver::step(Time now) {
 
 // --- Streaming -------------------------------------------------------------------------------
 
-Pose FastrakDriver::pose_of(const FastrakRecord& record) const {
-  Pose X_TS;
-  X_TS.p = record.position * formats_[0].metre_per_unit();
-  switch (attitude_of(options_.items)) {
-    case FastrakAttitude::quaternion: {
-      const auto& [w, x, y, z] = record.quaternion;
-      X_TS.q = Quat(w, x, y, z);
-      break;
-    }
-    case FastrakAttitude::matrix:
-      X_TS.q = Quat(record.attitude);
-      break;
-    case FastrakAttitude::angles:
-      X_TS.q = from_angles_deg(record.angles_deg);
-      break;
-  }
-  // A record with an error letter may hold anything.
-  const double norm = X_TS.q.norm();
-  X_TS.q = norm > 1e-6 ? X_TS.q.normalized() : Quat::Identity();
-  return X_TS;
-}
-
 void FastrakDriver::read_records(Time now) {
   // A record may still arrive for the time of its length. After that and a pause, no more bytes
   // come.
@@ -372,7 +350,7 @@ void FastrakDriver::hand_out(Time now, std::vector<Sample>& out) {
     sample.host_time = arrivals[i];
     sample.sequence = sequence_before_ + clock_->cycle() / stations;
     sample.station = record.station;
-    sample.X_TS = pose_of(record);
+    sample.X_TS = pose_of(record, formats_[0]);
     sample.status = record.error;
     sample.buttons = record.pressed ? 1 : 0;
     statistics_.missed += clock_->cycle() - before;

@@ -98,7 +98,6 @@ class FastrakDriver : public Source {
   void start_stream(Time now);
   void read_records(Time now);
   void hand_out(Time now, std::vector<Sample>& out);
-  Pose pose_of(const FastrakRecord& record) const;
   Time byte_time() const { return Time{10'000'000 / baud_ + 1}; }
   Time answer_time() const { return options_.answer + 100 * byte_time(); }
 

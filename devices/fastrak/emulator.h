@@ -105,7 +105,11 @@ class FastrakEmulator {
   void power_cycle(Time now);
 
   void set_motion(FastrakMotion motion) { motion_ = std::move(motion); }
-  void set_faults(const FastrakFaults& faults) { options_.faults = faults; }
+  /// @throws std::invalid_argument  for a fault of a receiver that the unit does not have
+  void set_faults(const FastrakFaults& faults) {
+    check_stations(faults, options_.receivers);
+    options_.faults = faults;
+  }
 
   Time now() const { return now_; }  ///< time of the last call
   const FastrakSetup& setup() const { return memory_.setup; }

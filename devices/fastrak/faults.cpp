@@ -3,8 +3,11 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <stdexcept>
 #include <string_view>
+
+#include <fmt/format.h>
 
 #include "devices/base/text.h"
 
@@ -67,6 +70,7 @@ FaultWindow silence(std::string_view entry, std::string_view value) {
 
 FastrakFaults parse_faults(const std::string& spec) {
   FastrakFaults faults;
+  std::set<std::string_view> given;
   std::string_view rest = spec;
   while (!rest.empty()) {
     const std::size_t comma = rest.find(',');
@@ -81,6 +85,8 @@ FastrakFaults parse_faults(const std::string& spec) {
       if (v != std::floor(v)) refuse(entry, expected);
       return static_cast<int>(v);
     };
+    const bool may_repeat = name == "stuck" || name == "unplug" || name == "silence";
+    if (!may_repeat && !given.insert(name).second) refuse(entry, fmt::format("{} once", name));
     if (name == "noise") {
       faults.noise = number(entry, value, 0.0, 1e6, "a factor from 0 to 1000000");
     } else if (name == "dropout") {
@@ -108,6 +114,17 @@ FastrakFaults parse_faults(const std::string& spec) {
     }
   }
   return faults;
+}
+
+void check_stations(const FastrakFaults& faults, int receivers) {
+  for (const auto* list : {&faults.stuck, &faults.unplugged}) {
+    for (const StationFault& fault : *list) {
+      if (fault.station <= receivers) continue;
+      throw std::invalid_argument(fmt::format("fault '{}={}@...': expected a station from 1 to {}",
+                                              list == &faults.stuck ? "stuck" : "unplug",
+                                              fault.station, receivers));
+    }
+  }
 }
 
 std::string faults_help() {

@@ -44,8 +44,11 @@ struct FastrakFaults {
 ///
 /// Times are seconds since the emulator started; P is a chance from 0 to 1. Spaces around an entry do
 /// not count.
-/// @throws std::invalid_argument  naming the entry and what was expected
+/// @throws std::invalid_argument  naming the entry and what was expected; for one value given twice
 FastrakFaults parse_faults(const std::string& spec);
+
+/// @throws std::invalid_argument  for a fault of a receiver that a unit with so many does not have
+void check_stations(const FastrakFaults& faults, int receivers);
 
 /// The entries of `parse_faults`, one a line, for help texts.
 std::string faults_help();

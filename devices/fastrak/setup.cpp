@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "devices/fastrak/geometry.h"
 #include "devices/fastrak/replies.h"
 
 namespace headpin::devices {
@@ -111,6 +112,28 @@ FastrakAttitude attitude_of(const std::vector<int>& items) {
   throw std::invalid_argument(
       "output list: expected an orientation (quaternion 11, 61, 20; angles 4, 54, 19; or "
       "matrix 5 6 7, 55 56 57)");
+}
+
+Pose pose_of(const FastrakRecord& record, const FastrakFormat& format) {
+  Pose X_TS;
+  X_TS.p = format.metre_per_unit() * record.position;
+  switch (attitude_of(format.items)) {
+    case FastrakAttitude::quaternion: {
+      const auto& [w, x, y, z] = record.quaternion;
+      X_TS.q = Quat(w, x, y, z);
+      break;
+    }
+    case FastrakAttitude::matrix:
+      X_TS.q = Quat(record.attitude);
+      break;
+    case FastrakAttitude::angles:
+      X_TS.q = from_angles_deg(record.angles_deg);
+      break;
+  }
+  // A record with an error letter may hold anything.
+  const double norm = X_TS.q.norm();
+  X_TS.q = norm > 1e-6 ? X_TS.q.normalized() : Quat::Identity();
+  return X_TS;
 }
 
 void check_items(const std::vector<int>& items) {

@@ -55,6 +55,10 @@ enum class FastrakAttitude { quaternion, matrix, angles };
 /// @throws std::invalid_argument  when there is none
 FastrakAttitude attitude_of(const std::vector<int>& items);
 
+/// The pose in a record; its orientation from the best form in the output list.
+/// @throws std::invalid_argument  when the list has no orientation
+Pose pose_of(const FastrakRecord& record, const FastrakFormat& format);
+
 /// @throws std::invalid_argument  when the list lacks a position, an orientation or an end
 void check_items(const std::vector<int>& items);
 

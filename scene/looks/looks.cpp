@@ -352,4 +352,16 @@ DrawList draw_list(const Looks& looks, const Glimpse& g) {
   return list;
 }
 
+std::map<std::uint32_t, std::string> object_names(const Stage& stage) {
+  std::map<std::uint32_t, std::string> names = {
+      {kRoomId, "room"},     {kHandId, "hand"}, {kStandId, "stand"},
+      {kButtonId, "button"}, {kHeadId, "head"}, {kBoardId, "score board"}};
+  const auto add = [&](const std::vector<engine::BodyId>& bodies, std::uint32_t id) {
+    for (const engine::BodyId body : bodies) names[id++] = stage.world.bodies[body].name;
+  };
+  add(stage.balls, kFirstBallId);
+  add(stage.skittles, kFirstSkittleId);
+  return names;
+}
+
 }  // namespace headpin::scene

@@ -26,6 +26,9 @@ inline constexpr std::uint32_t kBoardId = 6;
 inline constexpr std::uint32_t kFirstBallId = 10;
 inline constexpr std::uint32_t kFirstSkittleId = 100;
 
+/// The number and the name of every object on a stage that can be drawn, by number.
+std::map<std::uint32_t, std::string> object_names(const Stage& stage);
+
 /// Stores meshes: a renderer, or a writer of files.
 struct MeshKeeper {
   std::function<int(const render::Mesh&)> add;  ///< returns the number of the mesh

@@ -18,6 +18,7 @@ Json skipped_json(const Skipped& skipped) {
           {"other_trials", skipped.other_trials},
           {"foreign", skipped.foreign},
           {"baseless", skipped.baseless},
+          {"doubled", skipped.doubled},
           {"misdated", skipped.misdated}};
 }
 

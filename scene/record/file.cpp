@@ -10,6 +10,7 @@
 #include "devices/base/sequence_count.h"
 #include "devices/base/sources.h"
 #include "devices/log/event_log.h"
+#include "scene/record/doubled.h"
 #include "scene/record/messages.h"
 #include "scene/record/misdated.h"
 #include "scene/record/state_change.h"
@@ -51,11 +52,12 @@ struct LogContent {
   std::unique_ptr<devices::FileWindow> file = {};  // or else
   std::span<const std::uint8_t> bytes = {};        // all of it
   bool session = false;
-  std::vector<std::int64_t> misdated = {};
+  std::vector<std::int64_t> misdated = {}, doubled = {};  // numbers of messages
 
   devices::LogReader reader() const {
     return file ? devices::LogReader(*file) : devices::LogReader(bytes);
   }
+  Messages messages() const { return {reader(), session, doubled}; }
 };
 
 /// Iterates over a trial without its misdated messages.
@@ -64,7 +66,7 @@ class TrialWalk {
   /// @param summary  of an earlier walk, whose samples must still be there; null for the first walk
   TrialWalk(const LogContent& content, const TrialSummary* summary)
       : content_(content),
-        messages_(content.reader(), content.session),
+        messages_(content.messages()),
         expected_(summary ? std::optional(summary->sample_count) : std::nullopt) {}
 
   std::optional<Message> next() {
@@ -280,7 +282,10 @@ namespace {
 
 std::unique_ptr<const LogContent> look_into(LogContent log) {
   log.session = holds_session(log.reader());
-  log.misdated = find_misdated(Messages(log.reader(), log.session));
+  Misdated misdated = find_misdated(log.messages());
+  if (misdated.goes_back) log.doubled = find_doubled(log.messages());
+  if (!log.doubled.empty()) misdated = find_misdated(log.messages());
+  log.misdated = std::move(misdated.messages);
   return std::make_unique<const LogContent>(std::move(log));
 }
 

@@ -75,25 +75,33 @@ constexpr double kMostJump_s = 1.0;
 
 }  // namespace
 
-std::vector<std::int64_t> find_misdated(Messages messages) {
+Misdated find_misdated(Messages messages) {
   constexpr double kMostTicks = 1000.0;
   constexpr std::size_t kFewest = 8;  // two presses of a button do not show which of them is wrong
-  std::vector<std::int64_t> found;
+  Misdated out;
+  std::vector<std::int64_t>& found = out.messages;
   std::map<std::pair<devices::Device, std::size_t>, LoneFinder>
       samples;  // each device, all its times
+  std::map<devices::Device, Time> newest;
+  std::optional<std::int64_t> last_tick;
   LoneFinder times(kMostJump_s, 1, found), ticks(kMostTicks, 1, found);
   std::int64_t states = 0;
   const auto look_at_state = [&](const auto& state) {
     times.add(messages.number(), seconds(state.time - messages.stamp()));
     ticks.add(messages.number(), static_cast<double>(state.tick - states++));
+    out.goes_back = out.goes_back || (last_tick && state.tick <= *last_tick);
+    last_tick = std::max(last_tick.value_or(state.tick), state.tick);
   };
   const auto look_at = [&](const auto& sample) {
+    const devices::Device device = devices::device_of(devices::Sample(sample));
+    const auto [last, first] = newest.try_emplace(device, sample.device_time);
+    out.goes_back = out.goes_back || (!first && sample.device_time <= last->second);
+    last->second = std::max(last->second, sample.device_time);
     const std::array all = {sample.device_time, sample.host_time, sample.session_time};
     for (std::size_t kind = 0; kind < all.size(); ++kind) {
       if (kind > 0 && all[kind] == Time{}) continue;  // it has no such time
       samples
-          .try_emplace(std::pair(devices::device_of(devices::Sample(sample)), kind), kMostJump_s,
-                       kFewest, found)
+          .try_emplace(std::pair(device, kind), kMostJump_s, kFewest, found)
           .first->second.add(messages.number(), seconds(all[kind] - messages.stamp()));
     }
   };
@@ -108,7 +116,7 @@ std::vector<std::int64_t> find_misdated(Messages messages) {
   ticks.finish();
   std::ranges::sort(found);
   found.erase(std::unique(found.begin(), found.end()), found.end());
-  return found;
+  return out;
 }
 
 }  // namespace headpin::scene

@@ -104,12 +104,13 @@ struct Skipped {
   std::int64_t other_trials = 0;  ///< a second header: what follows it is another trial
   std::int64_t foreign = 0;       ///< samples in another frame than the transmitter's
   std::int64_t baseless = 0;      ///< states stored as changes from an unknown state
+  std::int64_t doubled = 0;       ///< messages that equal an earlier one to the byte
   std::int64_t misdated = 0;      ///< samples and states whose time, unlike those around them, is
                                   ///< another than the log's
 
   bool nothing() const {
     return bytes + cut_bytes + undecodable + implausible + other_trials + foreign + baseless +
-               misdated ==
+               doubled + misdated ==
            0;
   }
 };
@@ -117,7 +118,7 @@ struct Skipped {
 /// Consecutive messages with the same fault, at most a second apart.
 struct Trouble {
   std::string
-      kind;  ///< undecodable, implausible, foreign, baseless, misdated, late, lost or astray
+      kind;  ///< undecodable, implausible, foreign, baseless, doubled, misdated, late, lost, astray
   std::string device;  ///< whose samples, or the channel
   std::int64_t messages = 0;
   Time from{}, to{};  ///< by the stamps of LCM's event headers, since the log's first

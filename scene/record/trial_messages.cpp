@@ -62,10 +62,19 @@ std::optional<Message> Messages::take(const devices::LogEvent& event) {
   const auto* said = std::get_if<Event>(&*message);
   if (said && said->kind == kDrawnByEvent && std::exchange(drawn_by_, true)) return std::nullopt;
   ++taken_;
-  if (said && said->kind == kEndEvent) {
-    counted_.complete = said->value == static_cast<double>(taken_ - 1);
+  if (is_doubled()) {
+    ++counted_.skipped.doubled;
+    note_trouble(counted_, "doubled", std::string(name), since_first());
     return std::nullopt;
   }
+  if (said && said->kind == kEndEvent) {
+    // A sender counts what it repeats; one whose messages are there twice does not.
+    const auto all = static_cast<double>(taken_ - 1);
+    const auto doubled = static_cast<double>(counted_.skipped.doubled);
+    counted_.complete = said->value == all || said->value == all - doubled;
+    return std::nullopt;
+  }
+  bytes_ = event.data;
   if (const auto* tracker = std::get_if<devices::TrackerSample>(&*message);
       tracker && !tracker->in_transmitters_frame()) {
     ++counted_.skipped.foreign;
@@ -74,6 +83,12 @@ std::optional<Message> Messages::take(const devices::LogEvent& event) {
     return std::nullopt;
   }
   return message;
+}
+
+bool Messages::is_doubled() {
+  if (doubled_.empty() || doubled_.front() != number()) return false;
+  doubled_ = doubled_.subspan(1);
+  return true;
 }
 
 void Messages::take(TrialHeader& header) {

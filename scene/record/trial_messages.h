@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "devices/log/event_log.h"
@@ -18,7 +19,9 @@ void note_trouble(TrialSummary& summary, const char* kind, const std::string& of
 class Messages {
  public:
   /// @param session  read the trial that a session published, not its inputs
-  Messages(devices::LogReader reader, bool session) : reader_(reader), session_(session) {}
+  /// @param doubled  numbers of messages to leave out, rising; must outlive this
+  Messages(devices::LogReader reader, bool session, std::span<const std::int64_t> doubled = {})
+      : reader_(reader), session_(session), doubled_(doubled) {}
 
   /// The next sample, event, state, snapshot or frame; nothing at the end or when another trial begins.
   std::optional<Message> next();
@@ -27,6 +30,8 @@ class Messages {
   std::int64_t number() const { return taken_ - 1; }
   Time stamp() const { return stamp_; }
   Time since_first() const { return stamp_ - *first_stamp_; }
+  /// The current message as it is in the log; valid until the next one.
+  std::span<const std::uint8_t> bytes() const { return bytes_; }
 
   /// Channels, header, skipped messages, and whether the log has its end.
   TrialSummary& counted() { return counted_; }
@@ -34,9 +39,12 @@ class Messages {
  private:
   std::optional<Message> take(const devices::LogEvent& event);
   void take(TrialHeader& header);
+  bool is_doubled();
 
   devices::LogReader reader_;
   bool session_, over_ = false;
+  std::span<const std::int64_t> doubled_;  ///< those still ahead
+  std::span<const std::uint8_t> bytes_;
   bool drawn_by_ = false;  ///< has been returned
   std::int64_t taken_ = 0;
   Time stamp_{};

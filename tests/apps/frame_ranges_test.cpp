@@ -11,12 +11,19 @@ TEST(FrameRangesTest, HoldBothEndsOfARangeAndSingleFrames) {
   const FrameRanges ranges("10-20,35");
   for (const int inside : {10, 15, 20, 35}) EXPECT_TRUE(ranges.contains(inside)) << inside;
   for (const int outside : {0, 9, 21, 34, 36}) EXPECT_FALSE(ranges.contains(outside)) << outside;
-  EXPECT_EQ(ranges.count_below(100), 12);
-  EXPECT_EQ(ranges.count_below(15), 5);
 }
 
 TEST(FrameRangesTest, NoneMeansAll) {
-  EXPECT_EQ(FrameRanges().count_below(7), 7);
+  EXPECT_TRUE(FrameRanges().contains(0));
+  EXPECT_TRUE(FrameRanges().contains(1'000'000));
+  EXPECT_EQ(FrameRanges().first_not_in({}), std::nullopt);
+}
+
+TEST(FrameRangesTest, TellTheFirstFrameThatIsNotThere) {
+  const std::vector<std::int64_t> frames = {3, 4, 5, 8};
+  EXPECT_EQ(FrameRanges("3-5,8").first_not_in(frames), std::nullopt);
+  EXPECT_EQ(FrameRanges("8,4-6").first_not_in(frames), 6);
+  EXPECT_EQ(FrameRanges("5-9223372036854775807").first_not_in(frames), 6);
 }
 
 TEST(FrameRangesTest, RefuseWhatIsNoList) {

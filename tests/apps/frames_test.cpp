@@ -334,9 +334,18 @@ TEST_F(Frames, DepthAndIdsTellWhatEachPixelSees) {
   EXPECT_GT(nearest[100], 5.5);
   EXPECT_LT(nearest[100], 8.5);
   EXPECT_GT(nearest.size(), 10u);
-  EXPECT_THAT(slurp(folder_ / "out/ids.csv"), HasSubstr("100 and on,skittles"));
+  EXPECT_THAT(slurp(folder_ / "out/ids.csv"), HasSubstr("10,ball\n100,skittle 1\n101,skittle 2\n"));
   EXPECT_THAT(slurp(folder_ / "out/ids.csv"), HasSubstr("5,head\n"));
   expect_refusal("frames " + kDemo + " --video OUT.mkv --depth", 2, "need -o DIR");
+}
+
+TEST_F(Frames, ThoseBeyondTheEndAreTold) {
+  const Result beyond = headpin("frames " + kDemo + " --cameras few.json --frames 3,419-430");
+  EXPECT_EQ(beyond.code, 0) << beyond.err;
+  EXPECT_EQ(beyond.err,
+            "headpin frames: --frames 3,419-430: frame 421 does not exist; of the wanted ones 3 "
+            "do\n");
+  EXPECT_EQ(headpin("frames " + kDemo + " --cameras all.json --frames 0-420").err, "");
 }
 
 TEST_F(Frames, GoToStandardOutputAsY4m) {

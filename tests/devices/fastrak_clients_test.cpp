@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cstring>
+#include <functional>
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -159,10 +161,12 @@ class Faulty : public Client {
     const std::size_t own = enough == std::string::npos ? enough : enough - (echoes ? 1 : 0);
     std::string heard = Client::wait(span, own);
     if (cuts && heard.size() >= 55) heard.erase(20, 1);
+    if (spoils && sent() == "P") spoils(heard);
     return (echoes ? sent().substr(0, 1) : "") + heard;
   }
   std::string ignores;
   bool echoes = false, cuts = false;
+  std::function<void(std::string& records)> spoils;
 };
 
 /// The first demand that a reading of the unit does not meet, whole.
@@ -185,12 +189,37 @@ TEST(FastrakClientsTest, AReadingIsHeldAgainstOneInTheOtherUnit) {
   inches.ignores = "u";
   EXPECT_THAT(
       first_unmet(inches),
-      testing::MatchesRegex("sent 1 bytes 'P', wanted in centimetres the place that it is in "
-                            "inches, got station 1 at .* m in ASCII and inches"));
+      testing::MatchesRegex("sent 1 bytes 'u', wanted in centimetres the pose that it is in ASCII, "
+                            "inches and angles, got station 1: .* m, and .* m in that form"));
   Faulty ascii(plugged(2));
   ascii.ignores = "f";
   EXPECT_THAT(first_unmet(ascii),
               testing::HasSubstr("wanted a set of 58 bytes, 29 for each station, got"));
+}
+
+// Places alone would not show it.
+TEST(FastrakClientsTest, TheOrientationIsHeldAgainstEveryOtherForm) {
+  const auto unmet_with = [](std::function<void(std::string&)> fault) {
+    Faulty line(plugged(1), Client::Tty::raw, still_motion);
+    line.spoils = std::move(fault);
+    return first_unmet(line);
+  };
+  const auto rolled = [](std::string& records) {
+    if (records.size() != 29) return;  // binary: the head, six numbers, CR LF
+    const float roll = 90.0f;
+    std::memcpy(records.data() + 23, &roll, sizeof roll);
+  };
+  EXPECT_THAT(unmet_with(rolled), testing::HasSubstr("wanted in binary the pose that"));
+  const auto scalar_last = [](std::string& records) {
+    if (records.size() == 54) std::rotate(&records[24], &records[31], &records[52]);
+  };
+  EXPECT_THAT(unmet_with(scalar_last), testing::HasSubstr("wanted as a quaternion the pose that"));
+  const auto left_handed = [](std::string& records) {
+    if (records.size() == 89) records.replace(80, 7, "-1.0000");
+  };
+  EXPECT_THAT(unmet_with(left_handed),
+              testing::MatchesRegex(".*wanted as direction cosines the pose that .*, got station "
+                                    "1: axes .*-1.000.* in that form"));
 }
 
 TEST(FastrakClientsTest, WhatAUnitSaysInsteadIsShownByteByByte) {

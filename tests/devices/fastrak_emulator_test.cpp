@@ -375,6 +375,13 @@ TEST(FastrakFaultTest, BadSpecificationsAreNamed) {
   EXPECT_TRUE(f.stuck[0].when.holds(5s) && !f.stuck[0].when.holds(8s));
   EXPECT_TRUE(f.silence[0].holds(13s) && !f.silence[0].holds(14s));
   EXPECT_EQ(f.deaf, 3);
+  for (const char* twice : {"noise=0,noise=5", "deaf=1, deaf=1", "slow=9600,noise=0,slow=9600"}) {
+    EXPECT_THROW(parse_faults(twice), std::invalid_argument) << twice;
+  }
+  EXPECT_EQ(parse_faults("stuck=1@0-1,stuck=1@2-3,silence=1@4,silence=1@9").stuck.size(), 2u);
+  EXPECT_NO_THROW(check_stations(f, 2));
+  EXPECT_EQ(complaint([&] { check_stations(f, 1); }),
+            "fault 'stuck=2@...': expected a station from 1 to 1");
   const FastrakFaults spaced = parse_faults(" noise=0, deaf=2 ");
   EXPECT_EQ(spaced.noise, 0.0);
   EXPECT_EQ(spaced.deaf, 2);

@@ -220,6 +220,7 @@ TEST(LogTest, TimesThatRunBackAreCountedPerDevice) {
     devices::TrackerSample head = tracker(0), hand = tracker(1);
     for (const int time : {1000, 2000, 1500, 3000, 3000}) {
       head.device_time = Time{time};
+      ++head.sequence;
       recorder.write(devices::Sample(head));
     }
     hand.device_time = Time{2500};  // behind the head's, but the first of its own
@@ -230,6 +231,43 @@ TEST(LogTest, TimesThatRunBackAreCountedPerDevice) {
   EXPECT_EQ(trial.backwards, 2);
   EXPECT_EQ(trial.samples.size(), 6u);
   EXPECT_TRUE(trial.complete);
+}
+
+/// All of one trial is there, and each part of it once.
+void expect_once(const Trial& trial, const Trial& once) {
+  EXPECT_EQ(trial.samples.size(), once.samples.size());
+  EXPECT_EQ(trial.states.size(), once.states.size());
+  EXPECT_EQ(trial.frames.size(), once.frames.size());
+  EXPECT_EQ(trial.events.size(), once.events.size());
+  EXPECT_EQ(trial.backwards, 0);
+  EXPECT_EQ(trial.skipped.misdated, 0);
+  EXPECT_GT(trial.skipped.doubled, 0);
+  EXPECT_TRUE(trial.complete);
+  ASSERT_FALSE(trial.trouble.empty());
+  EXPECT_EQ(trial.trouble.front().kind, "doubled");
+}
+
+TEST(LogTest, ATrialThatIsInALogTwiceIsReadOnce) {
+  const devices::Buffer short_one = recorded();
+  devices::Buffer twice = short_one;
+  twice.insert(twice.end(), short_one.begin(), short_one.end());
+  expect_once(read_log(twice), read_log(short_one));
+  EXPECT_EQ(read_log(twice).skipped.doubled, kMessages);  // the header may repeat; the end does not
+  // Two programs sent it at once, the second some seconds later.
+  const devices::Buffer one = two_minutes();
+  std::vector<std::pair<Time, devices::LogEvent>> events;
+  for (const Time later : {Time{0}, Time{7'300'000}}) {
+    devices::LogReader reader(one);
+    while (const auto event = reader.next()) events.emplace_back(event->time + later, *event);
+  }
+  std::ranges::stable_sort(events, {}, [](const auto& sent) { return sent.first; });
+  devices::Buffer both;
+  for (std::int64_t number = 0; auto& [time, event] : events) {
+    event.time = time;
+    event.number = number++;
+    devices::append(event, both);
+  }
+  expect_once(read_log(both), read_log(one));
 }
 
 // A flipped bit in a time, or in a tick, must not make a session last for years.
