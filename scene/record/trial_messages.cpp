@@ -69,7 +69,7 @@ std::optional<Message> Messages::take(const devices::LogEvent& event) {
   }
   if (said && said->kind == kEndEvent) {
     // A sender counts what it repeats; one whose messages are there twice does not.
-    const auto all = static_cast<double>(taken_ - 1);
+    const auto all = static_cast<double>(taken_ - 1 - ends_++);
     const auto doubled = static_cast<double>(counted_.skipped.doubled);
     counted_.complete = said->value == all || said->value == all - doubled;
     return std::nullopt;

@@ -46,7 +46,7 @@ class Messages {
   std::span<const std::int64_t> doubled_;  ///< those still ahead
   std::span<const std::uint8_t> bytes_;
   bool drawn_by_ = false;  ///< has been returned
-  std::int64_t taken_ = 0;
+  std::int64_t taken_ = 0, ends_ = 0;
   Time stamp_{};
   std::optional<Time> first_stamp_;
   TrialSummary counted_;
