@@ -7,6 +7,7 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/bids_session.h"
@@ -195,8 +196,10 @@ void import_throw(const ImportOptions& options) {
       thrown_in(read_declared(options.file, declared(options)), options, base.hand);
   const devices::MotionRecording& recording = thrown.recording;
   if (const std::optional<Refusal> refused = refusal(options, thrown, base.hand)) {
-    throw std::runtime_error(refused->remedy.empty() ? refused->why
-                                                     : refused->why + ": " + refused->remedy);
+    const std::string noted =
+        thrown.notes.empty() ? "" : fmt::format(" ({})", fmt::join(thrown.notes, "; "));
+    throw std::runtime_error(refused->why + noted +
+                             (refused->remedy.empty() ? "" : ": " + refused->remedy));
   }
   const scene::Throw found = scene::find_throw(recording, base.hand, thrown.side);
   const std::vector<std::string> doubts = doubts_about(thrown, found, base);

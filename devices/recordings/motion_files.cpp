@@ -202,7 +202,7 @@ bool is_vrpn(const std::string&, std::string_view begin) {
 
 MotionTracks read_vrpn(const std::string& path, const MotionOptions&) {
   MotionTracks read;
-  read.tracks = parse_vrpn(base::read_bytes(path, kMost), path, 1.0);
+  read.tracks = parse_vrpn(base::read_bytes(path, kMost), path, 1.0, read.notes);
   read.reading.quaternion = "xyzw";
   return read;
 }

@@ -36,7 +36,8 @@ constexpr std::size_t kReport = 8 + 7 * 8;
 }  // namespace
 
 std::vector<std::pair<std::string, PoseTrack>> parse_vrpn(std::span<const std::uint8_t> bytes,
-                                                          std::string_view where, double unit_m) {
+                                                          std::string_view where, double unit_m,
+                                                          std::vector<std::string>& notes) {
   std::map<std::int32_t, std::string> types, senders;
   std::vector<std::pair<std::string, PoseTrack>> tracks;
   std::optional<Time> first;
@@ -44,7 +45,6 @@ std::vector<std::pair<std::string, PoseTrack>> parse_vrpn(std::span<const std::u
     throw std::invalid_argument(fmt::format("{}: byte {}: {}", where, at, what));
   };
   std::size_t at = kCookie;
-  // The last message may be incomplete, because the log was not closed.
   while (at + kHeader <= bytes.size()) {
     const std::int32_t type = int32_at(bytes, at), sender = int32_at(bytes, at + 4);
     const Time time = Time{1'000'000} * int32_at(bytes, at + 8) + Time{int32_at(bytes, at + 12)};
@@ -86,6 +86,10 @@ std::vector<std::pair<std::string, PoseTrack>> parse_vrpn(std::span<const std::u
       }
     }
     at += kHeader + static_cast<std::size_t>(size);
+  }
+  if (at < bytes.size()) {  // it was not closed, or not copied whole
+    notes.push_back(fmt::format("the log ends within a message: {} bytes at its end are left out",
+                                bytes.size() - at));
   }
   return tracks;
 }

@@ -96,6 +96,12 @@ TEST_F(TrialCommands, AVrpnLogOfAFastrakWithHeadAndHandIsTheThrowItRecorded) {
             json("replay csv.lcmlog --json")["skittles_down"]);
   EXPECT_THAT(headpin(import + "vrpn.lcmlog --transmitter 0,0.9,0 --force").out,
               HasSubstr("of head and one hand"));
+  // Cut within its last report.
+  const std::string log = slurp(folder_ / "fastrak.vrpn");
+  spit(folder_ / "fastrak.vrpn", log.substr(0, log.size() - 20));
+  const std::string told = "the log ends within a message: 68 bytes at its end are left out";
+  EXPECT_THAT(headpin(import + "cut.lcmlog --transmitter 0,0.9,0").err, HasSubstr(told));
+  expect_refusal(import + "OUT.lcmlog", 1, told);
   expect_refusal(import + "OUT.lcmlog --transmitter 0,0.9,0 --hand left", 1,
                  "it would be one by the right hand");
   expect_refusal(import + "OUT.lcmlog --names 0,,", 2, "one hand of which may be empty");

@@ -227,7 +227,9 @@ Packet vrpn_log(int sensors = 3) {
 }
 
 TEST(MotionFiles, AVrpnLogIsReadByTheNamesInIt) {
-  const auto tracks = parse_vrpn(vrpn_log(), "x", 0.01);
+  std::vector<std::string> notes;
+  const auto tracks = parse_vrpn(vrpn_log(), "x", 0.01, notes);
+  EXPECT_THAT(notes, testing::IsEmpty());
   ASSERT_EQ(tracks.size(), 3u);
   EXPECT_EQ(tracks[2].first, "Tracker0:2");
   ASSERT_EQ(tracks[2].second.samples().size(), 100u);
@@ -239,7 +241,8 @@ TEST(MotionFiles, AVrpnLogIsReadByTheNamesInIt) {
 TEST(MotionFiles, WhateverAVrpnLogHoldsItIsReadOrRefused) {
   const Packet good = vrpn_log();
   for (std::size_t cut = 0; cut < good.size(); cut += 7) {  // up to the cut
-    EXPECT_NO_THROW(parse_vrpn(std::span(good).first(cut), "x", 1.0)) << cut;
+    std::vector<std::string> notes;
+    EXPECT_NO_THROW(parse_vrpn(std::span(good).first(cut), "x", 1.0, notes)) << cut;
   }
   std::mt19937 random(5);
   for (int n = 0; n < 3000; ++n) {
@@ -248,7 +251,8 @@ TEST(MotionFiles, WhateverAVrpnLogHoldsItIsReadOrRefused) {
       bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
     }
     try {
-      for (const auto& [sensor, track] : parse_vrpn(bytes, "x", 1.0)) {
+      std::vector<std::string> notes;
+      for (const auto& [sensor, track] : parse_vrpn(bytes, "x", 1.0, notes)) {
         for (const auto& sample : track.samples()) ASSERT_TRUE(sample.value.p.allFinite());
       }
     } catch (const std::invalid_argument&) {

@@ -29,9 +29,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::vector<std::string> notes;
     if (data[0] % 3 == 0) look_at(devices::parse_uxf(text, "fuzz", notes));
     if (data[0] % 3 == 1) {
-      for (const auto& [name, track] : devices::parse_vrpn({data + 1, size - 1}, "fuzz", 1.0)) {
-        look_at(track);
-      }
+      const auto tracks = devices::parse_vrpn({data + 1, size - 1}, "fuzz", 1.0, notes);
+      for (const auto& [name, track] : tracks) look_at(track);
     }
     if (data[0] % 3 == 2) {  // channels, a zero byte, motion
       const std::string_view channels = text.substr(0, text.find('\0'));
