@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "engine/islands.h"
+#include "engine/rules.h"
 #include "engine/stages.h"
 
 namespace headpin::engine::detail {
@@ -10,7 +11,7 @@ namespace {
 /// Whether a body may fall asleep: contacts carry at least half of its weight. Without gravity,
 /// only a body that does not move at all may.
 bool may_rest(const World& world, const Solved& solved, BodyId i) {
-  if (world.parameters.rules < 2) return true;
+  if (!sleepers_are_carried(world.parameters)) return true;
   if (!world.parameters.gravity_W.isZero(0.0)) return solved.carried[i] >= 0.5;
   const State& state = world.states[i];
   return state.v_WB.isZero(0.0) && state.w_WB.isZero(0.0);
@@ -18,7 +19,8 @@ bool may_rest(const World& world, const Solved& solved, BodyId i) {
 
 /// Whether B of a touch is a driven body that moves and touches A.
 bool is_on_the_move(const World& world, const Flight& flight, const Touch& touch, double depth) {
-  if (world.bodies[touch.b].kind != Kind::driven || world.parameters.rules < 2) return false;
+  if (world.bodies[touch.b].kind != Kind::driven) return false;
+  if (!sleepers_are_carried(world.parameters)) return false;
   return flight.bodies[touch.b].top_speed > 0.0 && touch.points > 0 && depth >= -kRests;
 }
 

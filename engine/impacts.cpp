@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "engine/meeting.h"
+#include "engine/rules.h"
 #include "engine/stages.h"
 
 namespace headpin::engine::detail {
@@ -46,7 +47,7 @@ void book(const World& world, Workspace& w, const Touch& touch, const Encounter&
 /// moves towards it. The body is then squeezed between the driven body and something else.
 bool is_squeezed(const World& world, const Touch& touch, bool struck, const ContactPoint& point,
                  const Vec3& rb) {
-  return (struck || touch.pressed) && world.parameters.rules > 1 &&
+  return (struck || touch.pressed) && bounds_squeezes(world.parameters) &&
          world.bodies[touch.b].kind == Kind::driven &&
          velocity_at(world.states[touch.b], rb).dot(point.n_AB_W) < 0.0;
 }
@@ -144,8 +145,8 @@ class Queue {
   /// Removes points that will meet just after the end of the step; in the next step they are
   /// impacts. As lasting contacts they would be slowed down now, to meet exactly at the end.
   void leave_what_lands_later(Touch& touch) {
-    if (touch.points == 0 || world_.parameters.rules < 2 || was_loaded(world_.memory, touch))
-      return;
+    if (!leaves_late_landings(world_.parameters)) return;
+    if (touch.points == 0 || was_loaded(world_.memory, touch)) return;
     const auto first = touches_.points.begin() + touch.first_point;
     const auto end = std::remove_if(first, first + touch.points, [&](const ContactPoint& p) {
       return lands_later(world_, flight_, touch, p);
@@ -188,7 +189,7 @@ class Queue {
   /// of the step, because it may meet with points that are not contact points yet.
   std::optional<Meeting> seen_early(Touch& touch) {
     const double trusted = trusted_for(world_, touch);
-    const bool to_the_end = trusted < kNever && world_.parameters.rules > 2;
+    const bool to_the_end = trusted < kNever && follows_far_turns(world_.parameters);
     if (!to_the_end && touch.time + trusted >= step_seconds(world_)) {
       return soonest(world_, flight_, touches_, touch, threshold(touch));
     }
@@ -258,8 +259,8 @@ class Queue {
     Touch probe = touch;
     const bool meet = find_meeting(world_, flight_, touches_, probe, 0.0).has_value();
     touches_.points.resize(count);
-    const bool would_brake =
-        world_.parameters.rules > 2 && soonest(world_, flight_, touches_, touch, threshold(touch));
+    const bool would_brake = follows_far_turns(world_.parameters) &&
+                             soonest(world_, flight_, touches_, touch, threshold(touch));
     if (meet && !would_brake) return;
     const auto first = touches_.points.begin() + touch.first_point;
     const auto end = std::remove_if(first, first + touch.points,

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/rules.h"
+
 namespace headpin::engine::detail {
 namespace {
 
@@ -112,8 +114,8 @@ std::optional<Meeting> find_meeting(World& world, const Flight& flight, Touches&
   const double trusted = trusted_for(world, touch), step = step_seconds(world);
   const int most = trusted < kNever ? kQueries + 2 * kTurns : kQueries;
   const double least = trusted < kNever ? step / most : 0.0;  // so that it reaches the end
-  const bool to_the_end = trusted < kNever && world.parameters.rules > 2;
-  const bool goes_back = trusted < kNever || world.parameters.rules > 2;
+  const bool turns_far = trusted < kNever, follows = follows_far_turns(world.parameters);
+  const bool to_the_end = turns_far && follows, goes_back = turns_far || follows;
   std::optional<Meeting> m = soonest(world, flight, touches, touch, threshold);
   for (int k = 0; k < most; ++k) {
     if (m && (m->time <= touch.time || -m->point.depth <= kMeets)) {

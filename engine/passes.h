@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "engine/acceleration.h"
+#include "engine/rules.h"
 
 /// Passes over the rows of an island. Private to the engine.
 namespace headpin::engine::detail {
@@ -123,8 +124,8 @@ double solve_friction(const Island& s, const Touch& touch, FrictionRows& f, doub
     const Vec2 slip = slip_of<other>(f, sa, sb);
     F = f.impulse - f.inverse * (slip + f.softness * f.impulse);
     if (const double size = F.norm(); size > most) {
-      F = s.world.parameters.rules > 3 ? friction_at_limit(f.inverse, F, most)
-                                       : Vec2(most / size * F);
+      F = opposes_slip(s.world.parameters) ? friction_at_limit(f.inverse, F, most)
+                                           : Vec2(most / size * F);
     }
   }
   const Vec2 more = F - f.impulse;

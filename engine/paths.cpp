@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "engine/rules.h"
+
 namespace headpin::engine::detail {
 namespace {
 
@@ -37,7 +39,7 @@ void call_roll(World& world) {
     roll.bounded.push_back(i);
     roll.moving.push_back(free || driven);
     roll.bounds_W.push_back(world.states[i].X_WB * body.shape->bounds);
-    if (world.parameters.rules < 6) continue;
+    if (!bounds_flat_bodies(world.parameters)) continue;
     const bool flat = body.kind == Kind::fixed && body.shape->faceted;
     roll.limits_W.push_back(flat ? world.states[i].X_WB * body.shape->box : Box{});
   }

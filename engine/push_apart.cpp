@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "engine/at_end.h"
+#include "engine/rules.h"
 #include "engine/stages.h"
 
 namespace headpin::engine::detail {
@@ -21,7 +22,7 @@ bool is_far_in(const World& world, const Touch& touch, double depth) {
 void find_pinned(const World& world, const Touches& touches, const Solved& solved,
                  std::vector<BodyId>& pinned) {
   pinned.clear();
-  if (world.roll.driven.empty() || world.parameters.rules < 2) return;
+  if (world.roll.driven.empty() || !bounds_squeezes(world.parameters)) return;
   for (std::size_t k = 0; k < touches.all.size(); ++k) {
     const Touch& touch = touches.all[k];
     if (touch.points == 0 || world.bodies[touch.b].kind != Kind::driven) continue;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/rules.h"
 #include "engine/sustained_rows.h"
 
 /// Islands that have no solution because driven bodies press them. Private to the engine.
@@ -26,7 +27,7 @@ class Squeeze {
       : s_(island), pressed_(island.rows.pressed), pressing_(island.rows.pressing) {
     pressed_.clear();
     pressing_.clear();
-    if (!s_.world.roll.driven.empty() && s_.world.parameters.rules > 1) note_pressing();
+    if (!s_.world.roll.driven.empty() && bounds_squeezes(s_.world.parameters)) note_pressing();
   }
 
   /// Whether there is no solution, or a body gets more speed or energy than a throw would give it.

@@ -4,6 +4,7 @@
 #include "engine/inlining.h"
 #include "engine/islands.h"
 #include "engine/passes.h"
+#include "engine/rules.h"
 #include "engine/squeeze.h"
 #include "engine/stages.h"
 
@@ -141,7 +142,7 @@ double energy_of(const World& world, std::span<const BodyId> bodies) {
 /// which need not solve the island as well. What is not solved then gets softer friction.
 Passes solve_rows(const Island& s) {
   const Parameters& p = s.world.parameters;
-  if (p.rules < 4) {
+  if (!solves_directly(p)) {
     Passes done = pass_over(s, true, p.solver_iterations, p.solver_residual);
     if (!done.solved) solve_softly(s, done, p.solver_residual);
     return done;
@@ -184,7 +185,7 @@ void keep(const Island& s, std::vector<std::uint32_t>& met_now) {
     touch.friction_W = f.impulse[0] * f.t[0] + f.impulse[1] * f.t[1];
     touch.twist = f.twist;
     touch.roll = f.roll;
-    if (world.parameters.rules > 5) note_slide(s, f);
+    if (moves_with_the_mean(world.parameters)) note_slide(s, f);
   }
   for (const std::uint32_t k : s.each) {
     const Touch& found = s.touches[k];

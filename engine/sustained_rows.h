@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/paths.h"
+#include "engine/rules.h"
 
 /// Data of the solver of lasting contacts: rows for normals, blocks of them, and friction, twist
 /// and roll of a touch. Private to the engine.
@@ -62,7 +63,7 @@ inline double last_impulse(const World& world, const Touch& touch,
   for (const Load& load : loads) {
     if (load.feature == feature) return load.impulse;
   }
-  if (k >= loads.size() || world.parameters.rules < 4) return 0.0;
+  if (k >= loads.size() || !keeps_loads_in_place(world.parameters)) return 0.0;
   for (const ContactPoint& point : points) {
     if (point.feature == loads[k].feature) return 0.0;
   }

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "engine/at_end.h"
+#include "engine/rules.h"
 #include "engine/stages.h"
 
 namespace headpin::engine::detail {
@@ -30,7 +31,7 @@ bool swings(const World& world, const Flight& flight, const Touch& touch, double
 bool stop_at(World& world, const Flight& flight, Balance& pushed, const Touch& touch,
              const ContactPoint& point, const NormalRow& row) {
   const State &sa = world.states[touch.a], &sb = world.states[touch.b];
-  const bool b_stands = !touch.b_moves && world.parameters.rules > 1;
+  const bool b_stands = !touch.b_moves && bounds_squeezes(world.parameters);
   const double b_nears = b_stands ? 0.0 : row.n.dot(sb.v_WB) + row.rb_n.dot(sb.w_WB);
   const double approach = row.n.dot(sa.v_WB) + row.ra_n.dot(sa.w_WB) - b_nears;
   if (approach <= 0.0) return false;

@@ -9,6 +9,7 @@
 
 #include "base/hash.h"
 #include "engine/bodies.h"
+#include "engine/rules.h"
 
 namespace headpin::engine {
 namespace {
@@ -194,9 +195,7 @@ World make_world(const Parameters& parameters, SameLayout) {
   check_parameters(parameters);
   World world;
   world.parameters = parameters;
-  if (parameters.rules < 4) world.parameters.query.steady = false;
-  if (parameters.rules < 5) world.parameters.query.faces = false;
-  if (parameters.rules < 6) world.parameters.query.boxes = false;
+  world.parameters.query = detail::query_under(parameters);
   world.response = &response_named(parameters.response);
   return world;
 }

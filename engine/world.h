@@ -49,15 +49,8 @@ struct Parameters {
   double sleep_speed = 0.01;  ///< [m/s]
   double sleep_spin = 0.03;   ///< [rad/s]
   double sleep_after = 0.25;  ///< [s]
-  int rules = 6;  ///< of older trials: 5, with bodies that slide on a level surface moved by
-                  ///< their end velocity, and flat bodies without boxes; 4, also with a
-                  ///< search for each part over a single face, and discs on three points
-                  ///< of a half-space; 3, also without the direct solution and with
-                  ///< friction that is not quite opposite to the slip; 2, also without
-                  ///< the corrections for bodies that turn far within a step; 1, also
-                  ///< without those for squeezed, just landed and unsupported sleeping
-                  ///< bodies
-  bool keep_ledger = false;  ///< `World::ledger`; costs about a tenth of a step
+  int rules = 6;              ///< 1 to 5 are those of older trials; what they lack is in rules.h
+  bool keep_ledger = false;   ///< `World::ledger`; costs about a tenth of a step
 };
 
 /// Statistics of one step, or sums over many steps (largest values: the largest of all).

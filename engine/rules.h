@@ -1,0 +1,73 @@
+#pragma once
+
+#include "engine/world.h"
+
+/// What the step does since which number of its rules (Parameters::rules).
+///
+/// A trial keeps the rules that it was recorded under, so that its replay has the same bits. All
+/// that is done for older rules alone is behind one of these questions.
+namespace headpin::engine::detail {
+
+// Since rules 2: squeezed, just landed and sleeping bodies.
+
+/// A body that a driven one presses gets no more speed and energy than a throw would give it.
+inline bool bounds_squeezes(const Parameters& p) {
+  return p.rules >= 2;
+}
+
+/// A point that will meet just after the end of the step is an impact of the next step.
+inline bool leaves_late_landings(const Parameters& p) {
+  return p.rules >= 2;
+}
+
+/// Only a body that is carried falls asleep, and only on a body that does not move.
+inline bool sleepers_are_carried(const Parameters& p) {
+  return p.rules >= 2;
+}
+
+// Since rules 3: bodies that turn far within a step.
+
+/// The path of a body that turns far is followed until the end of the step, and back.
+inline bool follows_far_turns(const Parameters& p) {
+  return p.rules >= 3;
+}
+
+// Since rules 4: lasting contacts.
+
+/// After a few passes an island is solved directly; its residual follows from what it carries.
+inline bool solves_directly(const Parameters& p) {
+  return p.rules >= 4;
+}
+
+/// Friction at its limit is opposite to the slip; before, only nearly.
+inline bool opposes_slip(const Parameters& p) {
+  return p.rules >= 4;
+}
+
+/// A point that is new under its number starts from the load that was in its place.
+inline bool keeps_loads_in_place(const Parameters& p) {
+  return p.rules >= 4;
+}
+
+// Since rules 6: what slides, and bodies beside a flat one.
+
+/// Bodies that slide on a level surface at Coulomb's limit move with the mean of their velocities.
+inline bool moves_with_the_mean(const Parameters& p) {
+  return p.rules >= 6;
+}
+
+/// A fixed body of flat faces is a candidate only for bodies that its box meets.
+inline bool bounds_flat_bodies(const Parameters& p) {
+  return p.rules >= 6;
+}
+
+/// The query with what older rules lack switched off.
+inline Query query_under(const Parameters& p) {
+  Query query = p.query;
+  query.steady = query.steady && p.rules >= 4;  // numbers of points stay the same
+  query.faces = query.faces && p.rules >= 5;    // single faces carry like half-spaces
+  query.boxes = query.boxes && p.rules >= 6;    // parts are left out by their boxes
+  return query;
+}
+
+}  // namespace headpin::engine::detail
