@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "scene/watch/eye_frames.h"
+#include "scene/live/frames_beside.h"
 
 /// Draws a live session's frames in a separate process: if it crashes, only pictures are missing.
 namespace headpin::apps {

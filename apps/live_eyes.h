@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "scene/watch/eye_frames.h"
+#include "scene/live/frames_beside.h"
 
 /// What draws the pictures of a live session.
 namespace headpin::apps {

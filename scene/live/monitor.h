@@ -5,10 +5,10 @@
 #include <string_view>
 #include <vector>
 
+#include "scene/live/frames_beside.h"
 #include "scene/live/sources.h"
 #include "scene/live/trial_outputs.h"
 #include "scene/play/run.h"
-#include "scene/watch/eye_frames.h"
 
 /// How a live session is going.
 namespace headpin::scene {

@@ -38,8 +38,8 @@ void take(Player& player, const Rig& rig, const devices::TrackerSample& sample) 
   if (!sample.good() || (!on_head && !in_hand)) return;
   const Pose X_PS = sensor_in_space(sample, rig);
   if (on_head) {
-    player.head.push(sample.device_time, X_PS * rig.X_SD);
-    player.head_arrival = devices::arrival(sample);
+    const bool newer = player.head.push(sample.device_time, X_PS * rig.X_SD);
+    if (newer) player.head_arrival = devices::arrival(sample);
   } else {
     player.hand.push(sample.device_time, X_PS * rig.X_SH);
   }

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/base/sources.h"
+#include "scene/live/frames_beside.h"
 
 namespace headpin::scene {
 namespace {
