@@ -148,8 +148,8 @@ const Run* counting(const std::vector<Run>& runs) {
   return found == runs.end() ? nullptr : &*found;
 }
 
-bool is_in_other_order(const Study& study, const study::PlannedParticipant& participant,
-                       const Run& run) {
+bool began_otherwise(const Study& study, const study::PlannedParticipant& participant,
+                     const Run& run) {
   const bool red = study::games_of(study.design, participant.allotted)[0].red;
   return !run.first.empty() && (run.first == "red") != red;
 }

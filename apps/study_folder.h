@@ -93,8 +93,8 @@ std::vector<Run> runs_of(const StudyFolder& at, const std::string& id);
 const Run* counting(const std::vector<Run>& runs);
 
 /// Whether a run began with another version than the plan has.
-bool is_in_other_order(const Study& study, const study::PlannedParticipant& participant,
-                       const Run& run);
+bool began_otherwise(const Study& study, const study::PlannedParticipant& participant,
+                     const Run& run);
 
 /// Whether a trial's header says that a virtual participant played it.
 bool is_virtual_name(const std::string& participant);

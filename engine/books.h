@@ -19,16 +19,16 @@ class Books {
     start_ = changed || !world.roll.movers.empty() ? balance_now() : last;
     world.ledger.hand += start_ - last;  // what users changed between steps
     last = start_;
-    w.struck = w.pushed = {};
+    w.by_impacts = w.by_driven = {};
   }
   /// Books the impacts. Their gains are summed impulse by impulse, because they act within the
   /// step.
   void book_impacts() {
     keep_ = keep_ && !world_.roll.movers.empty();
     if (!keep_) return;
-    add(world_.ledger.impact, w_.struck);
-    add(world_.ledger.hand, w_.pushed);
-    w_.pushed = {};
+    add(world_.ledger.impact, w_.by_impacts);
+    add(world_.ledger.hand, w_.by_driven);
+    w_.by_driven = {};
   }
   void begin() {
     if (keep_) mark_ = balance_now();
@@ -37,10 +37,10 @@ class Books {
   void end(Balance& account) {
     if (!keep_) return;
     const Balance now = balance_now();
-    add(account, now - mark_ - w_.pushed);
+    add(account, now - mark_ - w_.by_driven);
     mark_ = now;
-    add(world_.ledger.hand, w_.pushed);
-    w_.pushed = {};
+    add(world_.ledger.hand, w_.by_driven);
+    w_.by_driven = {};
   }
   /// Books the rest of the gain up to the last end() as free motion under gravity.
   void close() {

@@ -46,7 +46,7 @@ int add_points(const Shape& a, const Shape& b, const Pose& X_WA, const Pose& X_A
 
   Frame frame{middle, c.n_AB.unitOrthogonal(), Vec3::Zero(), c.n_AB};
   frame.v = frame.n.cross(frame.u);
-  Candidate all[2 * kMaxCorners + 2];
+  SharedPoint all[2 * kMaxCorners + 2];
   int count = shared(patch_a, patch_b, lay(patch_a, frame), lay(patch_b, frame), all);
   if (count == 0) return one();
   // A rim pivots about its deepest point, however little it leans.
@@ -63,7 +63,7 @@ int add_points(const Shape& a, const Shape& b, const Pose& X_WA, const Pose& X_A
   const int points = spread(all, count, first, chosen);
   int added = 0;
   for (int i = 0; i < points; ++i) {
-    const Candidate& x = all[chosen[i]];
+    const SharedPoint& x = all[chosen[i]];
     if (x.depth < -query.margin) continue;
     const Vec3 p_A = frame.origin + x.x.x() * frame.u + x.x.y() * frame.v + x.height * frame.n;
     const auto feature = query.steady ? x.feature : static_cast<std::uint32_t>(i);

@@ -34,10 +34,10 @@ void apply_impulse(World& world, Flight& flight, BodyId i, const Vec3& F, const 
 
 void book(const World& world, Workspace& w, const Touch& touch, const Encounter& e, const Vec3& F,
           const Vec3& p_W, const Vec3& rb) {
-  w.struck.energy += F.dot(e.u_W) + 0.5 * F.dot(e.K_W * F);
+  w.by_impacts.energy += F.dot(e.u_W) + 0.5 * F.dot(e.K_W * F);
   if (touch.b_moves) return;
   const bool driven = world.bodies[touch.b].kind == Kind::driven;
-  Balance& outside = driven ? w.pushed : w.struck;
+  Balance& outside = driven ? w.by_driven : w.by_impacts;
   if (driven) outside.energy += F.dot(velocity_at(world.states[touch.b], rb));
   outside.momentum += F;
   outside.angular_momentum += p_W.cross(F);
@@ -113,7 +113,7 @@ void strike(World& world, Workspace& w, const Touch& touch, QueuedTouch& kept,
 void start_over(World& world, Workspace& w) {
   for (const auto& [i, state] : w.flight.struck) world.states[i] = state;
   world.events.clear();
-  w.struck = w.pushed = {};
+  w.by_impacts = w.by_driven = {};
   world.statistics.impacts = world.statistics.unfinished_impacts = world.statistics.pulls = 0;
 }
 

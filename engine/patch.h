@@ -184,7 +184,8 @@ inline void cut(Sheet& s, const Vec2& p, const Vec2& d, std::uint32_t edge) {
   std::copy(edge_of, edge_of + count, s.edge_of);
 }
 
-struct Candidate {
+/// A corner of the common area of two patches, in the contact plane.
+struct SharedPoint {
   Vec2 x;
   double height = 0.0, depth = 0.0;
   std::uint32_t feature = 0;  // its two edges, or its end of a common segment
@@ -195,7 +196,7 @@ inline constexpr std::uint32_t kInside = 0xffff;
 
 /// The common area of two patches, as corners in the contact plane. Returns their number.
 inline int shared(const Patch& of_a, const Patch& of_b, const Sheet& a, const Sheet& b,
-                  Candidate* out) {
+                  SharedPoint* out) {
   int count = 0;
   if (of_a.count == 2 && of_b.count == 2) {
     // Side on side: their common segment, if they are nearly parallel.
@@ -234,7 +235,7 @@ inline int shared(const Patch& of_a, const Patch& of_b, const Sheet& a, const Sh
 
 /// The deepest candidate. If the choice is to be steady, it is the deepest one after the surfaces
 /// leaned a little more, always towards the same side of A.
-inline int deepest(const Candidate* all, int count, const Frame& frame, bool steady) {
+inline int deepest(const SharedPoint* all, int count, const Frame& frame, bool steady) {
   const Vec3 side(0.36, 0.48, 0.8);
   const Vec2 lean =
       steady ? Vec2(kSteady * Vec2(frame.u.dot(side), frame.v.dot(side))) : Vec2::Zero();
@@ -249,7 +250,7 @@ inline int deepest(const Candidate* all, int count, const Frame& frame, bool ste
 
 /// Chooses up to four candidates: the first, the furthest from it, and the furthest on each side of
 /// the line between them.
-inline int spread(const Candidate* all, int count, int first, int* chosen) {
+inline int spread(const SharedPoint* all, int count, int first, int* chosen) {
   chosen[0] = first;
   int far = first;
   for (int i = 0; i < count; ++i) {

@@ -268,7 +268,7 @@ HEADPIN_ALSO_AVX HEADPIN_FLATTEN void solve_island(Island& s, Workspace& w) {
     take_back_gain(s, done);
   }
   keep(s, w.met_now);
-  if (p.keep_ledger && !world.roll.driven.empty()) w.pushed += given_by_driven(s);
+  if (p.keep_ledger && !world.roll.driven.empty()) w.by_driven += given_by_driven(s);
   ++world.statistics.islands;
   world.statistics.solver_iterations += done.count;
   world.statistics.unsolved += done.solved ? 0 : 1;

@@ -68,7 +68,7 @@ void stop_swings(World& world, const Touches& touches, const Flight& flight, Sol
       }
       if (!worst) break;
       const NormalRow row = row_at(flight, touch, *worst, X_WA.p, X_WB.p);
-      if (!stop_at(world, flight, w.pushed, touch, *worst, row)) break;
+      if (!stop_at(world, flight, w.by_driven, touch, *worst, row)) break;
     }
   }
 }

@@ -254,7 +254,7 @@ struct Workspace {
   detail::Flight flight;
   detail::Solved solved;
   std::vector<detail::Booked> booked;  ///< of the ledger, by body
-  Balance struck, pushed;              ///< gains by the step's impacts; by driven bodies in a phase
+  Balance by_impacts, by_driven;  ///< gains by the impacts of a step; by driven bodies in a stage
   BroadPhase broad_phase;
   std::vector<std::uint32_t> near;  ///< bounded bodies near a body that an impact made faster
   std::vector<std::pair<double, std::uint32_t>> coming;  ///< impacts by time, and their touches

@@ -131,7 +131,7 @@ std::string trial_in(const std::vector<std::string>& sources) {
 /// Says that the last session began with the wrong button. It counts all the same.
 void say_other_order(const Study& study, const study::PlannedParticipant& who) {
   const std::vector<Run> runs = runs_of(study.at, who.id);
-  if (runs.empty() || !is_in_other_order(study, who, runs.back())) return;
+  if (runs.empty() || !began_otherwise(study, who, runs.back())) return;
   say("{}: {}: began with the {} version, in another order than planned\n", kCommand,
       printable(runs.back().path.string()), runs.back().first);
 }

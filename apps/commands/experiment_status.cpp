@@ -40,7 +40,7 @@ std::string played_in_words(const Study& study, const HowFar& one) {
   const std::string length = fmt::format("{}, {:.1f} s", told.name, told.seconds);
   if (counts) {
     return length + (told.is_virtual ? ", virtual" : "") +
-           (is_in_other_order(study, *one.planned, told) ? ", in another order than planned" : "");
+           (began_otherwise(study, *one.planned, told) ? ", in another order than planned" : "");
   }
   return length + (last.complete ? ", without both versions" : ", cut off");
 }
@@ -101,16 +101,16 @@ void tell_status(const StatusOptions& options) {
     nlohmann::ordered_json people = nlohmann::ordered_json::array();
     for (const HowFar& one : all) {
       const Run* counts = counting(one.runs);
-      people.push_back({{"participant", one.planned->id},
-                        {"cell", study::cell_of(study.design, *one.planned)},
-                        {"changed", study::changed_key_of(study.design, *one.planned)},
-                        {"runs", one.runs.size()},
-                        {"run", counts ? nlohmann::json(counts->name) : nlohmann::json()},
-                        {"in_other_order",
-                         counts ? nlohmann::json(is_in_other_order(study, *one.planned, *counts))
-                                : nlohmann::json()},
-                        {"answers", study.questions.items.size() - one.missing},
-                        {"replaced_by", one.replaced_by}});
+      people.push_back(
+          {{"participant", one.planned->id},
+           {"cell", study::cell_of(study.design, *one.planned)},
+           {"changed", study::changed_key_of(study.design, *one.planned)},
+           {"runs", one.runs.size()},
+           {"run", counts ? nlohmann::json(counts->name) : nlohmann::json()},
+           {"in_other_order", counts ? nlohmann::json(began_otherwise(study, *one.planned, *counts))
+                                     : nlohmann::json()},
+           {"answers", study.questions.items.size() - one.missing},
+           {"replaced_by", one.replaced_by}});
     }
     return print_json({{"participants", people}, {"next", next}});
   }
