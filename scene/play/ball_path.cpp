@@ -1,5 +1,6 @@
 #include "scene/play/ball_path.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -42,13 +43,20 @@ bool has_touched_lane(const engine::State& last, const engine::State& now, doubl
   return is_on_lane(radius, now) || now.v_WB.z() > last.v_WB.z();
 }
 
+/// Distance at which a ball touched the lane in the last step, from its fall before.
+double touched_at(const engine::State& last, const engine::State& now, double radius) {
+  const double height = last.X_WB.p.z() - radius, falls = -last.v_WB.z();
+  if (height <= 0.0 || falls <= 0.0) return last.X_WB.p.y();
+  return std::min(last.X_WB.p.y() + height / falls * last.v_WB.y(), now.X_WB.p.y());
+}
+
 /// The part of the way before the skittles.
 void find_on_lane(BallWatch& watch, const RoomMeasures& room, double radius,
                   const engine::State& now) {
   BallPath& path = watch.path;
   const Vec3& p = now.X_WB.p;
   if (!path.loft_end && has_touched_lane(watch.last, now, radius)) {
-    path.loft_end = p.y();
+    path.loft_end = touched_at(watch.last, now, radius);
     watch.landed_deg = degrees_from_y(now.v_WB);
   }
   if (!path.breakpoint && watch.last.v_WB.x() * now.v_WB.x() < 0.0) {
