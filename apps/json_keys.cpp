@@ -261,6 +261,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
      "mesh files that are not convex, and the convex pieces that collide in their place"},
     {"not_counted", "participants that are not in the tables"},
     {"not_drawn", "parts of mesh files that are not drawn: textures, transparency"},
+    {"not_played", "participants who count by drawn answers, without a session"},
     {"notes", "what was ignored or decided in reading the file"},
     {"noticed_s", "time at which the body began to fly at the player"},
     {"of_another", "number of pieces of a sweep that another headpin was simulating"},

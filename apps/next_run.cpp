@@ -15,15 +15,14 @@ NextRun::NextRun(const Study& study, const std::string& id, const std::string& c
   std::filesystem::create_directories(folder_);
   lock_.emplace(folder_, "playing the session of " + id);
   base::remove_left_parts(folder_.string());
-  const std::vector<Run> runs = runs_of(study.at, id);
+  const std::vector<Run> runs = runs_of(study, id);
   if (const Run* done = counting(runs)) {
     throw PlayedAlready(
         fmt::format("{}: {} has played already ({:.1f} s); a session is played only once",
                     done->path.string(), id, done->seconds));
   }
   for (const Run& run : runs) {
-    say("{}: {} is kept: {}\n", command, run.path.string(),
-        run.complete ? "not both versions were played" : "it was interrupted");
+    say("{}: {} is kept: {}\n", command, run.path.string(), why_not(run));
   }
   path_ = (folder_ / fmt::format("run-{:02}.lcmlog", runs.size() + 1)).string();
 }

@@ -16,6 +16,7 @@
 #include "scene/record/events.h"
 #include "scene/record/file.h"
 #include "scene/scenario/files.h"
+#include "scene/stage/read_scenario.h"
 
 namespace headpin::apps {
 
@@ -34,13 +35,40 @@ std::set<std::string> bundled_names(const fs::path& folder) {
   return names;
 }
 
-Run look_into(const fs::path& path) try {
+/// Whose session it is, and what its versions were, if that is not what the plan has. The plan may have
+/// been edited since, or the file is another participant's.
+std::string not_planned(const Study& study, const study::PlannedParticipant& who,
+                        const scene::TrialHeader& header, const fs::path& path) try {
+  const std::string& name = header.participant;
+  const std::string id = is_virtual_name(name) ? name.substr(kVirtual.size()) : name;
+  if (id != who.id &&
+      std::ranges::find(study.plan, id, &study::PlannedParticipant::id) != study.plan.end()) {
+    return "it is the session of " + id;
+  }
+  const scene::Scenario played = scene::scenario_of_trial(header.scenario, path.string());
+  scene::Scenario wanted = played;
+  for (const study::PlannedGame& game : study::games_of(study.design, who.allotted)) {
+    for (std::size_t i = 0; i < study.design.factors.size(); ++i) {
+      scene::set(wanted, study::assignment(study.design.factors[i], game.red ? "red" : "blue",
+                                           game.values[i]));
+    }
+  }
+  const std::vector<scene::KeyDifference> others = scene::differences(wanted, played);
+  if (others.empty()) return "";
+  return fmt::format("{} is {}, planned is {}", others.front().key, others.front().b,
+                     others.front().a);
+} catch (const std::invalid_argument&) {
+  return "its scenario cannot be read";
+}
+
+Run look_into(const Study& study, const study::PlannedParticipant& who, const fs::path& path) try {
   Run run{path.stem().string(), path};
   const scene::TrialFile file(path.string());
   const scene::TrialSummary& trial = file.summary();
   run.complete = trial.complete;
   run.seconds = seconds(trial.end);
   run.is_virtual = is_virtual_name(trial.header.participant);
+  if (trial.has_header) run.not_planned = not_planned(study, who, trial.header, path);
   std::set<std::string> versions;
   for (const scene::Event& event : trial.events) {
     if (event.kind != scene::kind::version) continue;
@@ -130,17 +158,24 @@ StudyLock::~StudyLock() {
   close(descriptor_);
 }
 
-std::vector<Run> runs_of(const StudyFolder& at, const std::string& id) {
+std::vector<Run> runs_of(const Study& study, const std::string& id) {
+  const study::PlannedParticipant& who = planned(study, id);
   std::vector<fs::path> paths;
   std::error_code none;
-  for (const auto& entry : fs::directory_iterator(at.sessions(id), none)) {
+  for (const auto& entry : fs::directory_iterator(study.at.sessions(id), none)) {
     const std::string name = entry.path().filename().string();
     if (name.starts_with("run-") && name.ends_with(".lcmlog")) paths.push_back(entry.path());
   }
   std::ranges::sort(paths);
   std::vector<Run> runs;
-  for (const fs::path& path : paths) runs.push_back(look_into(path));
+  for (const fs::path& path : paths) runs.push_back(look_into(study, who, path));
   return runs;
+}
+
+std::string why_not(const Run& run) {
+  if (!run.complete) return "cut off";
+  if (!run.both) return "without both versions";
+  return run.not_planned.empty() ? "" : "not as planned: " + run.not_planned;
 }
 
 const Run* counting(const std::vector<Run>& runs) {

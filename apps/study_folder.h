@@ -82,14 +82,19 @@ struct Run {
   double seconds = 0.0;
   bool is_virtual = false;
   std::string first = {};  ///< version that was begun first: red or blue; empty if none was
+  /// The first thing in which the recording is not what the plan has; empty if there is none.
+  std::string not_planned = {};
 
-  bool done() const { return complete && both; }
+  bool done() const { return complete && both && not_planned.empty(); }
 };
 
-/// All recordings, in order of time.
-std::vector<Run> runs_of(const StudyFolder& at, const std::string& id);
+/// All recordings of a participant of the plan, in order of time.
+std::vector<Run> runs_of(const Study& study, const std::string& id);
 
-/// The run that counts: the first complete one; null if there is none.
+/// Why a recording does not count: "cut off"; empty for one that may count.
+std::string why_not(const Run& run);
+
+/// The run that counts: the first complete one with both versions as planned; null if there is none.
 const Run* counting(const std::vector<Run>& runs);
 
 /// Whether a run began with another version than the plan has.

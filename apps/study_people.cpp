@@ -71,7 +71,7 @@ study::Person person_of(const Study& study, const study::PlannedParticipant& pla
   study::Person person;
   person.planned = planned;
   person.answers = answers_of(study, planned.id);
-  const std::vector<Run> runs = runs_of(study.at, planned.id);
+  const std::vector<Run> runs = runs_of(study, planned.id);
   if (const Run* run = counting(runs)) {
     try {
       person.played = measured(*run);
@@ -81,6 +81,9 @@ study::Person person_of(const Study& study, const study::PlannedParticipant& pla
     }
   }
   person.played.runs = static_cast<int>(runs.size());
+  if (person.played.run.empty() && !runs.empty()) {
+    person.played.why_not = fmt::format("{} {}", runs.back().name, why_not(runs.back()));
+  }
   return person;
 }
 

@@ -366,8 +366,7 @@ void SimulatedSystem::tick(const scene::Session& session) {
     }
   }
   take_(row + "\n");
-  ++rows_;
-  duration_s_ = seconds(state_.time);
+  if (rows_++ == 0) first_ = state_.time;
 }
 
 std::string SimulatedSystem::table_name(const BidsSession& session) {
@@ -377,7 +376,7 @@ std::string SimulatedSystem::table_name(const BidsSession& session) {
 std::vector<BidsFile> SimulatedSystem::files(const BidsSession& session) const {
   std::vector<Channel> channels = {{"latency", kNoAnswer, "LATENCY", kNoAnswer, "s"}};
   for (const std::string& name : names_) add_pose(channels, name);
-  Json sidecar = motion_json(channels, "headpin", rate_hz_, rows_, duration_s_);
+  Json sidecar = motion_json(channels, "headpin", rate_hz_, rows_, seconds(state_.time - first_));
   sidecar["TaskDescription"] = "Bodies of the virtual room, simulated; a frame of 1/60 s a row";
   return {{name_of(session, "simulated", "motion.json"), sidecar.dump(2) + "\n"},
           {name_of(session, "simulated", "channels.tsv"), channels_tsv(channels)},

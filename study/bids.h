@@ -57,7 +57,8 @@ class SimulatedSystem : public scene::Observer {
   std::vector<std::string> names_;
   scene::TickState state_;
   std::int64_t every_ = 4, rows_ = 0;
-  double rate_hz_ = 60.0, duration_s_ = 0.0;
+  double rate_hz_ = 60.0;
+  Time first_{};  ///< of the rows; the last one's is that of the state
 };
 
 }  // namespace headpin::study

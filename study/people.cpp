@@ -180,6 +180,8 @@ bool is_in_other_order(const Person& person) {
 std::string why_not(const Design& design, const Questionnaire& questions, const Person& person) {
   if (!person.replaced_by.empty()) return "dropped out, replaced by " + person.replaced_by;
   const bool drawn = !person.answers.empty() && person.answers.front().source == kDrawn;
+  const bool played_in_vain = person.played.run.empty() && person.played.runs > 0;
+  if (played_in_vain) return "no session that counts: " + person.played.why_not;
   if (person.played.run.empty() && !drawn) return "no session that counts";
   if (!missing(questions, person.answers).empty()) return "questions not answered";
   if (!score_of(questions, person.answers)) return "no answer to a scored item";

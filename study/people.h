@@ -14,8 +14,9 @@ namespace headpin::study {
 
 /// A recording of a session, and its measures.
 struct Played {
-  std::string run;  ///< run-01; empty where no session counts
-  int runs = 0;     ///< recordings in all
+  std::string run;           ///< run-01; empty where no session counts
+  int runs = 0;              ///< recordings in all
+  std::string why_not = {};  ///< where none of the recordings counts: what is wrong with the last
   bool is_virtual = false;
   double longest_gap_s = 0.0;  ///< without a sample
   std::int64_t lost = 0, bad = 0;

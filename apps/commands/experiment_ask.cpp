@@ -105,7 +105,7 @@ void draw(const Study& study, const AskOptions& options) {
   int people = 0;
   for (const study::PlannedParticipant& one : study.plan) {
     if (!options.all && one.id != options.participant) continue;
-    const std::vector<Run> runs = runs_of(study.at, one.id);
+    const std::vector<Run> runs = runs_of(study, one.id);
     const bool person =
         std::ranges::any_of(runs, [](const Run& run) { return run.begun && !run.is_virtual; });
     if (person && options.all) continue;

@@ -56,7 +56,7 @@ class VirtualStudy {
   VirtualStudy(const Study& study, int jobs) : study_(study), jobs_(jobs) {
     const auto replaced = study::replaced(study.plan);
     for (const study::PlannedParticipant& one : study.plan) {
-      if (replaced.contains(one.id) || counting(runs_of(study.at, one.id))) continue;
+      if (replaced.contains(one.id) || counting(runs_of(study, one.id))) continue;
       waiting_.push_back(&one);
     }
     played_.resize(waiting_.size());
@@ -130,7 +130,7 @@ std::string trial_in(const std::vector<std::string>& sources) {
 
 /// Says that the last session began with the wrong button. It counts all the same.
 void say_other_order(const Study& study, const study::PlannedParticipant& who) {
-  const std::vector<Run> runs = runs_of(study.at, who.id);
+  const std::vector<Run> runs = runs_of(study, who.id);
   if (runs.empty() || !began_otherwise(study, who, runs.back())) return;
   say("{}: {}: began with the {} version, in another order than planned\n", kCommand,
       printable(runs.back().path.string()), runs.back().first);
@@ -173,7 +173,7 @@ void run_one(const Study& study, const RunOptions& options) {
   const PlayedSession session = options.is_virtual
                                     ? play_virtual(study, who, run.path(), each_tick)
                                     : play_trial(study, who, options.trial, run.path(), each_tick);
-  const bool is_virtual = runs_of(study.at, who.id).back().is_virtual;
+  const bool is_virtual = runs_of(study, who.id).back().is_virtual;
   say_other_order(study, who);
   if (options.json) return print_json(to_json(who.id, is_virtual, session));
   print_session(who.id, is_virtual, session);

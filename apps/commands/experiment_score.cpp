@@ -59,10 +59,11 @@ void score(const ScoreOptions& options) {
       study::paper_tables(study.design, study.questions, counted.people, counted.of);
   write_tables(study, people, tables);
   nlohmann::ordered_json not_counted = nlohmann::ordered_json::array();
-  std::vector<std::string> other_order;
+  std::vector<std::string> other_order, not_played;
   for (const study::Person& person : people) {
     const std::string why = study::why_not(study.design, study.questions, person);
     if (!why.empty()) not_counted.push_back({{"participant", person.planned.id}, {"why_not", why}});
+    if (why.empty() && person.played.run.empty()) not_played.push_back(person.planned.id);
     if (study::is_in_other_order(person)) other_order.push_back(person.planned.id);
   }
   if (options.json) {
@@ -71,6 +72,7 @@ void score(const ScoreOptions& options) {
                        {"counted", counted.people.size()},
                        {"of_virtual", counted.of},
                        {"not_counted", not_counted},
+                       {"not_played", not_played},
                        {"other_order", other_order}});
   }
   fmt::print("{} of {} participants count{}\n", counted.people.size(), people.size(),
@@ -80,6 +82,9 @@ void score(const ScoreOptions& options) {
   for (const auto& one : not_counted) {
     fmt::print("  not {}: {}\n", one["participant"].get<std::string>(),
                one["why_not"].get<std::string>());
+  }
+  if (!not_played.empty() && not_played.size() < counted.people.size()) {
+    fmt::print("  without a session, by drawn answers alone: {}\n", fmt::join(not_played, ", "));
   }
   if (!other_order.empty()) {
     fmt::print("  played in another order than planned: {} (see planned_first and played_first)\n",

@@ -42,7 +42,7 @@ std::string played_in_words(const Study& study, const HowFar& one) {
     return length + (told.is_virtual ? ", virtual" : "") +
            (began_otherwise(study, *one.planned, told) ? ", in another order than planned" : "");
   }
-  return length + (last.complete ? ", without both versions" : ", cut off");
+  return fmt::format("{}, {}", length, why_not(last));
 }
 
 std::vector<HowFar> steps_done(const Study& study) {
@@ -50,7 +50,7 @@ std::vector<HowFar> steps_done(const Study& study) {
   std::vector<HowFar> all;
   for (const study::PlannedParticipant& one : study.plan) {
     const auto by = replaced.find(one.id);
-    all.push_back({&one, runs_of(study.at, one.id),
+    all.push_back({&one, runs_of(study, one.id),
                    study::missing(study.questions, answers_of(study, one.id)).size(),
                    by == replaced.end() ? "" : by->second});
   }

@@ -85,7 +85,7 @@ std::function<Place()> places_of(const Study& study) {
     const auto replaced = study::replaced(study.plan);
     for (const study::PlannedParticipant& who : study.plan) {
       if (replaced.contains(who.id) || invited->contains(who.id)) continue;
-      if (counting(runs_of(study.at, who.id)) != nullptr) continue;
+      if (counting(runs_of(study, who.id)) != nullptr) continue;
       Place place = place_of(study, who);
       invited->insert(who.id);
       return place;

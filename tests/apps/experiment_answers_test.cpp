@@ -225,6 +225,51 @@ TEST_F(StudyAnswers, WhoPlayedInAnotherOrderThanPlannedIsNamed) {
               HasSubstr("played in another order than planned: " + blue_first.front()));
 }
 
+/// The plan with the rows of one participant changed.
+std::string with_colours_exchanged(const std::string& plan, const std::string& participant) {
+  std::istringstream lines(plan);
+  std::string out, line;
+  while (std::getline(lines, line)) {
+    const auto exchange = [&](const std::string& one, const std::string& other) {
+      const std::size_t at = line.find("," + one + ",");
+      if (at != std::string::npos) line.replace(at + 1, one.size(), other);
+      return at != std::string::npos;
+    };
+    if (line.starts_with(participant + ",") && !exchange("red", "blue")) exchange("blue", "red");
+    out += line + "\n";
+  }
+  return out;
+}
+
+TEST_F(StudyAnswers, ASessionThatIsNotWhatThePlanHasDoesNotCount) {
+  plan_short(2);
+  ASSERT_EQ(headpin("experiment run study --all --virtual").code, 0);
+  ASSERT_EQ(headpin("experiment ask study --all --virtual").code, 0);
+  ASSERT_EQ(json("experiment score study --json")["counted"], 2);
+  const auto expect_not = [&](const std::string& who, const std::string& why) {
+    const nlohmann::json scored = json("experiment score study --json");
+    EXPECT_EQ(scored["counted"], 1);
+    ASSERT_EQ(scored["not_counted"].size(), 1u);
+    EXPECT_EQ(scored["not_counted"][0]["participant"], who);
+    EXPECT_THAT(scored["not_counted"][0]["why_not"].get<std::string>(), HasSubstr(why));
+    EXPECT_THAT(headpin("experiment status study").out, HasSubstr(why));
+    EXPECT_THAT(headpin("experiment status study").out, HasSubstr("--participant " + who));
+  };
+  const std::string as_planned = slurp(folder_ / "study/plan.csv");
+  spit(folder_ / "study/plan.csv", with_colours_exchanged(as_planned, "p001"));
+  expect_not("p001", "not as planned: version.red.");
+  spit(folder_ / "study/plan.csv", as_planned);
+  const std::filesystem::path sessions = folder_ / "study/sessions";
+  std::filesystem::copy_file(sessions / "p001/run-01.lcmlog", sessions / "p002/run-01.lcmlog",
+                             std::filesystem::copy_options::overwrite_existing);
+  expect_not("p002", "run-01 not as planned: it is the session of p001");
+  // Drawn answers need no session, but that is told.
+  std::filesystem::remove_all(sessions / "p002");
+  EXPECT_EQ(json("experiment score study --json")["not_played"][0], "p002");
+  EXPECT_THAT(headpin("experiment score study").out,
+              HasSubstr("without a session, by drawn answers alone: p002"));
+}
+
 /// What R made of the answers is what another program makes of them, and within its errors the
 /// published model from which they were drawn.
 void StudyAnswers::expect_the_published_model(int degrees_of_freedom) const {

@@ -76,6 +76,13 @@ TEST_F(StudyExport, TablesFitTheirChannelsAndPeopleTheirFolders) {
     const auto motion = rows(slurp(name), '\t');
     ASSERT_GT(motion.size(), 100u);
     for (const auto& row : motion) ASSERT_EQ(row.size(), channels.size() - 1) << name;
+    const auto latency =
+        std::ranges::find(channels, "LATENCY", [](const auto& row) { return row[2]; });
+    const auto column = static_cast<std::size_t>(latency - channels.begin()) - 1;
+    const double lasts = std::stod(motion.back()[column]) - std::stod(motion.front()[column]);
+    EXPECT_NEAR(sidecar["RecordingDuration"].get<double>(), lasts, 1e-5);
+    EXPECT_NEAR(sidecar["SamplingFrequencyEffective"].get<double>(),
+                static_cast<double>(motion.size() - 1) / lasts, 1e-4);
     EXPECT_TRUE(
         nlohmann::json::parse(slurp(stem + "_channels.json"))["reference_frame"].is_object());
   }

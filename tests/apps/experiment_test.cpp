@@ -200,7 +200,7 @@ TEST_F(Experiment, ASessionThatWasCutOffStaysAndTheNextIsAnotherRun) {
   const std::string half = slurp(run);
   EXPECT_EQ(json("experiment status a --json")["participants"][0]["run"], nullptr);
   EXPECT_THAT(headpin("experiment status a").out, HasSubstr("cut off"));
-  EXPECT_THAT(headpin("experiment run a --all --virtual").err, HasSubstr("it was interrupted"));
+  EXPECT_THAT(headpin("experiment run a --all --virtual").err, HasSubstr("is kept: cut off"));
   EXPECT_EQ(slurp(run), half);
   EXPECT_EQ(slurp(folder_ / "a/sessions/p001/run-02.lcmlog"), whole);
   EXPECT_EQ(json("experiment status a --json")["participants"][0]["run"], "run-02");
@@ -214,8 +214,8 @@ TEST_F(Experiment, ARecordingThatHasNotBegunBlocksNothing) {
   EXPECT_THAT(headpin("experiment status a").out, HasSubstr("run-02, 0.0 s, cut off"));
   const Result ran = headpin("experiment run a --participant p001 --virtual");
   EXPECT_EQ(ran.code, 0) << ran.err;
-  EXPECT_THAT(ran.err, testing::AllOf(HasSubstr("run-01.lcmlog is kept: it was interrupted"),
-                                      HasSubstr("run-02.lcmlog is kept: it was interrupted")));
+  EXPECT_THAT(ran.err, testing::AllOf(HasSubstr("run-01.lcmlog is kept: cut off"),
+                                      HasSubstr("run-02.lcmlog is kept: cut off")));
   EXPECT_TRUE(fs::exists(folder_ / "a/sessions/p001/run-03.lcmlog"));
   EXPECT_EQ(headpin("experiment ask a --participant p001 --virtual").code, 0);
   EXPECT_EQ(headpin("experiment score a").code, 0);
