@@ -195,8 +195,9 @@ Compound make_compound(std::vector<Part> parts) {
     c.bounding_radius = std::max(c.bounding_radius, part.X_BG.p.norm() + c.part_radius.back());
     unbounded = unbounded || is_half_space(part);
   }
-  c.faceted = std::ranges::all_of(
-      c.parts, [](const Part& part) { return std::holds_alternative<Polyhedron>(part.shape); });
+  c.faceted = std::all_of(c.parts.begin(), c.parts.end(), [](const Part& part) {
+    return std::holds_alternative<Polyhedron>(part.shape);
+  });
   if (c.faceted) set_boxes(c);
   if (unbounded) return c;
   c.bounds = {Vec3::Zero(), Vec3::Zero(), c.bounding_radius};
