@@ -262,7 +262,7 @@ TEST_F(StudyAnswers, ASessionThatIsNotWhatThePlanHasDoesNotCount) {
   const std::filesystem::path sessions = folder_ / "study/sessions";
   std::filesystem::copy_file(sessions / "p001/run-01.lcmlog", sessions / "p002/run-01.lcmlog",
                              std::filesystem::copy_options::overwrite_existing);
-  expect_not("p002", "run-01 not as planned: it is the session of p001");
+  expect_not("p002", "not as planned: it is the session of p001");
   // Drawn answers need no session, but that is told.
   std::filesystem::remove_all(sessions / "p002");
   EXPECT_EQ(json("experiment score study --json")["not_played"][0], "p002");
