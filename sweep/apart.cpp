@@ -90,6 +90,13 @@ double arcmin_between(const Vec3& p_WE, const Place& a, const Place& b) {
   return std::max(arcmin_between(p_WE, a[0], b[0]), arcmin_between(p_WE, a[1], b[1]));
 }
 
+/// Height of a body's impact on something at rest within a tick, in which it fell from z0 at v0 < 0 and
+/// rose to z1 at v1 > 0: where both straight ways meet.
+double height_of_impact(double z0, double v0, double z1, double v1, double dt) {
+  const double t = (z0 - z1 + v1 * dt) / (v1 - v0);
+  return std::min({z0 + v0 * std::clamp(t, 0.0, dt), z0, z1});
+}
+
 std::optional<std::int64_t> frame_of(const scene::Session& session) {
   const scene::Rates& rates = session.scenario().rates;
   const auto frame_at = [&](std::int64_t tick) { return tick * rates.frame_hz / rates.physics_hz; };
@@ -203,7 +210,7 @@ void Apart::measure_frame(const scene::Session& a, const scene::Session& b, cons
     Difference speed{.a = angle_between(then.towards_a[i], now.towards_a[i]) / kDegree / since,
                      .b = angle_between(then.towards_b[i], now.towards_b[i]) / kDegree / since,
                      .at = now.time};
-    if (speed.a < kSlowest || speed.a > kFastest) continue;
+    if (std::min(speed.a, speed.b) < kSlowest || std::max(speed.a, speed.b) > kFastest) continue;
     speed.size = std::abs(speed.b - speed.a) / speed.a;
     speed.times = speed.size / kSpeed.value;
     if (!body.speed) body.speed.emplace();
@@ -237,25 +244,19 @@ void Apart::note_bounces(const scene::Session& session, bool is_b) {
   for (std::size_t i = 0; i < balls_; ++i) {
     const engine::BodyId ball = session.stage->balls[i];
     Bounce& bounce = bounces_[is_b][i];
-    const double z = session.world.states[ball].X_WB.p.z();
-    const bool free = session.world.bodies[ball].kind == engine::Kind::free;
-    if (!free) {
+    const engine::State& state = session.world.states[ball];
+    const double z = state.X_WB.p.z(), v = state.v_WB.z();
+    if (session.world.bodies[ball].kind != engine::Kind::free) {
       if (!bounce.height) bounce = {};
-      bounce.last = z;
-      continue;
+    } else if (!bounce.height && bounce.v < 0.0 && v > 0.0) {
+      bounce.from = height_of_impact(bounce.z, bounce.v, z, v, engine::step_seconds(session.world));
+    } else if (!bounce.height && bounce.from && v <= 0.0) {
+      const double height = std::max(bounce.z, z) - *bounce.from;
+      bounce.height = height > kNoBounce ? std::optional(height) : std::nullopt;
+      bounce.from.reset();
     }
-    if (!bounce.height && z > bounce.last && bounce.falls) {
-      bounce.lowest = bounce.last;
-      bounce.falls = false;
-      bounce.rises = true;
-    } else if (!bounce.height && z < bounce.last) {
-      if (bounce.rises && bounce.last - *bounce.lowest > kNoBounce) {
-        bounce.height = bounce.last - *bounce.lowest;
-      }
-      bounce.rises = false;
-      bounce.falls = true;
-    }
-    bounce.last = z;
+    bounce.z = z;
+    bounce.v = v;
     const std::optional<double> a = bounces_[0][i].height, b = bounces_[1][i].height;
     if (!a || !b || bodies_[i].bounce) continue;
     Difference& found = bodies_[i].bounce.emplace();

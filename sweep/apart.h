@@ -104,10 +104,11 @@ class Apart {
                                         const Pose& X_WD);
 
   /// How a ball bounces: falls, then rises from its lowest to its highest point.
+  /// Of a ball since its release: where its centre was at its first impact on something below it, and
+  /// how far it rose from there.
   struct Bounce {
-    std::optional<double> lowest, height;
-    double last = 0.0;
-    bool falls = false, rises = false;
+    std::optional<double> from, height;  ///< [m]
+    double z = 0.0, v = 0.0;             ///< of the tick before [m, m/s]
   };
   /// Directions from the head in the last 100 ms, oldest first.
   struct Directions {

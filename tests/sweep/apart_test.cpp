@@ -122,8 +122,8 @@ TEST(Apart, TheBounceOfABallIsThatOfItsElasticity) {
   const BodyApart& ball = apart.bodies().front();
   ASSERT_TRUE(ball.bounce);
   const double e_a = 0.9 * 0.9, e_b = 0.8 * 0.8;  // those of a pair multiply
-  EXPECT_NEAR(ball.bounce->a, e_a * e_a * 0.8, 0.01);
-  EXPECT_NEAR(ball.bounce->b, e_b * e_b * 0.8, 0.01);
+  EXPECT_NEAR(ball.bounce->a, e_a * e_a * 0.8, 0.001);
+  EXPECT_NEAR(ball.bounce->b, e_b * e_b * 0.8, 0.001);
   EXPECT_NEAR(ball.bounce->size, (e_a - e_b) / e_a, 0.01);
   EXPECT_NEAR(ball.bounce->times, (e_a - e_b) / e_a / 0.10, 0.1);
   EXPECT_NEAR(ball.arcmin[0], largest[0], 1e-6 * largest[0]);
