@@ -42,6 +42,10 @@ void warn(const OpenTrial& trial) {
 }
 
 Trial open(const std::filesystem::path& path, double longest_gap) {
+  if (!(longest_gap >= 0.001 && longest_gap <= 1e6)) {  // as --longest-gap
+    throw std::invalid_argument(
+        fmt::format("longest_gap: expected 0.001 to 1000000 s, found {}", longest_gap));
+  }
   Trial trial;
   {
     const py::gil_scoped_release released;

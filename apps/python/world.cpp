@@ -229,6 +229,7 @@ std::unique_ptr<PyWorld> world_of(int rate_hz, const Vec3& gravity, const py::ob
   auto made = std::make_unique<PyWorld>();
   if (py::isinstance<py::str>(response)) {
     p.response = response_named(response.cast<std::string>()).name;
+    response_named(sliding);  // throws for an unknown name, also where it is not used
     made->world = make_world(p);
   } else {
     made->own = own_response(response, sliding);

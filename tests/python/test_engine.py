@@ -125,6 +125,7 @@ class World(unittest.TestCase):
         for wrong, words in (
             (lambda: engine.World(rate_hz=0), "rate_hz|rate"),
             (lambda: engine.World(response="rubber"), "response: expected one of paper, coulomb"),
+            (lambda: engine.World(sliding="rubber"), "expected one of paper, coulomb, found 'rubber'"),
             (lambda: engine.World(detection="none"), "detection: expected one of"),
             (lambda: engine.Body(engine.HalfSpace(), kind="solid"), "kind: expected one of"),
             (lambda: world.add(ball(elasticity=2.0)), "'ball': .*elasticity"),

@@ -113,6 +113,12 @@ class Replays(unittest.TestCase):
         self.assertTrue(np.isnan(bad["skittles_down"]))
         self.assertEqual(bad["state_hash"], "")
 
+    def test_no_trial_has_the_columns_of_one(self):
+        none, one = (headpin.replay_many(trials, {"friction": [0.2]}) for trials in ([], support.DEMO))
+        self.assertEqual(len(none), 0)
+        for name in one.dtype.names:
+            self.assertEqual(none.dtype[name].kind, one.dtype[name].kind, name)
+
     def test_refuses_what_is_no_table(self):
         for table, words in (
             ({"frictoin": [0.1]}, "'frictoin' is no key"),

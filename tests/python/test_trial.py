@@ -116,6 +116,13 @@ class Tables(unittest.TestCase):
             trial.to_pandas("speeds")
 
 
+class Gaps(unittest.TestCase):
+    def test_a_limit_that_the_commands_refuse_is_no_fault_of_the_trial(self):
+        for limit in (np.inf, np.nan, -1.0, 0.0, 1e7):
+            with self.assertRaisesRegex(ValueError, "longest_gap: expected 0.001 to 1000000 s"):
+                headpin.Trial(support.simulated(), longest_gap=limit)
+
+
 class Header(unittest.TestCase):
     def test_is_that_of_info(self):
         said = support.json_of("info", support.simulated())

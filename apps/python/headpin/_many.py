@@ -119,7 +119,10 @@ def _column(values):
 
 
 def _structured(columns):
-    arrays = {name: np.asarray(column) for name, column in columns.items()}
+    arrays = {
+        name: np.asarray(column, dtype=str if isinstance(column, list) else None)
+        for name, column in columns.items()
+    }
     for name, array in arrays.items():
         if array.dtype.kind == "U" and array.dtype.itemsize == 0:
             arrays[name] = array.astype("U1")
