@@ -61,12 +61,13 @@ inline void set_rolling(const Stage& stage, engine::World& world, const Rolling&
   engine::set_state(world, stage.balls.front(), state);
 }
 
-/// What leaves the deck behind falls into the pit: it is taken away, far from all others.
+/// What leaves the deck behind falls into the pit: it is put far away from all others, asleep, so that it
+/// costs no more.
 inline void take_away(const Stage& stage, engine::World& world, engine::BodyId body) {
   engine::State state;
   state.X_WB.p = Vec3(static_cast<double>(body), stage.scenario.room.ahead + 10.0, 1.0);
-  engine::set_kind(world, body, engine::Kind::driven);
   engine::set_state(world, body, state);
+  engine::put_to_sleep(world, body);
 }
 
 /// The numbers of the pins that stand near their spots.
@@ -114,6 +115,7 @@ inline Fallen roll(const Stage& stage, const Rolling& rolling, Random random) {
     for (engine::BodyId body = 0; body < world.bodies.size(); ++body) {
       const Vec3 p = world.states[body].X_WB.p;
       if (world.bodies[body].kind != engine::Kind::free || p.y() < stage.room.deck_end) continue;
+      if (engine::is_asleep(world, body)) continue;
       if (body == ball) fallen.exit_board = board_at(stage.room, p.x());
       take_away(stage, world, body);
     }
