@@ -43,11 +43,13 @@ bool has_touched_lane(const engine::State& last, const engine::State& now, doubl
   return is_on_lane(radius, now) || now.v_WB.z() > last.v_WB.z();
 }
 
-/// Distance at which a ball touched the lane in the last step, from its fall before.
+/// Distance at which a ball touches the lane, from its fall before: in the last step, or in the next one
+/// if it is only near the lane yet.
 double touched_at(const engine::State& last, const engine::State& now, double radius) {
   const double height = last.X_WB.p.z() - radius, falls = -last.v_WB.z();
   if (height <= 0.0 || falls <= 0.0) return last.X_WB.p.y();
-  return std::min(last.X_WB.p.y() + height / falls * last.v_WB.y(), now.X_WB.p.y());
+  const double way = height / falls * last.v_WB.y(), step = now.X_WB.p.y() - last.X_WB.p.y();
+  return last.X_WB.p.y() + std::min(way, 2.0 * step);
 }
 
 /// The part of the way before the skittles.
