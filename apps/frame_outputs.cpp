@@ -42,8 +42,8 @@ FrameOutputs::FrameOutputs(const FramesOptions& options, const scene::Stage& sta
     FrameFiles files = options.files;
     files.side_by_side = options.layout == "side-by-side";
     pictures_.emplace(*options.folder, folder_beside(options, options.colmap));
-    sinks_.push_back(&folder_.emplace(*pictures_, files, optics.pixel_aspect(),
-                                      scene::object_names(stage)));
+    sinks_.push_back(
+        &folder_.emplace(*pictures_, files, optics.pixel_aspect(), scene::object_names(stage)));
   }
   if (options.cameras) {
     sinks_.push_back(&cameras_.emplace(base::OutputFile(*options.cameras, file), views));

@@ -353,9 +353,9 @@ DrawList draw_list(const Looks& looks, const Glimpse& g) {
 }
 
 std::map<std::uint32_t, std::string> object_names(const Stage& stage) {
-  std::map<std::uint32_t, std::string> names = {
-      {kRoomId, "room"},     {kHandId, "hand"}, {kStandId, "stand"},
-      {kButtonId, "button"}, {kHeadId, "head"}, {kBoardId, "score board"}};
+  std::map<std::uint32_t, std::string> names = {{kRoomId, "room"},   {kHandId, "hand"},
+                                                {kStandId, "stand"}, {kButtonId, "button"},
+                                                {kHeadId, "head"},   {kBoardId, "score board"}};
   const auto add = [&](const std::vector<engine::BodyId>& bodies, std::uint32_t id) {
     for (const engine::BodyId body : bodies) names[id++] = stage.world.bodies[body].name;
   };

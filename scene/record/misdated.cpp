@@ -100,8 +100,7 @@ Misdated find_misdated(Messages messages) {
     const std::array all = {sample.device_time, sample.host_time, sample.session_time};
     for (std::size_t kind = 0; kind < all.size(); ++kind) {
       if (kind > 0 && all[kind] == Time{}) continue;  // it has no such time
-      samples
-          .try_emplace(std::pair(device, kind), kMostJump_s, kFewest, found)
+      samples.try_emplace(std::pair(device, kind), kMostJump_s, kFewest, found)
           .first->second.add(messages.number(), seconds(all[kind] - messages.stamp()));
     }
   };

@@ -317,8 +317,9 @@ void visit(V& v, Hand& h) {
   v.field("release_window_s", h.release_window_s, Range{0.01, 1},
           "velocity and spin are the slope of a cubic (sample: of a parabola) that is fitted to "
           "the samples of this time before the release");
-  v.field("release_window_most_s", h.release_window_most_s, Range{0.01, 1},
-          "longest time for that fit, if the tracker is noisy and `release_window_s` is not longer");
+  v.field(
+      "release_window_most_s", h.release_window_most_s, Range{0.01, 1},
+      "longest time for that fit, if the tracker is noisy and `release_window_s` is not longer");
   v.field("release_accuracy", h.release_accuracy, Range{0, 1000},
           "the time for the fit grows while the standard error of the velocity is above this");
   v.field("falls_at_once", h.falls_at_once, kAny,

@@ -252,7 +252,8 @@ TEST(LogTest, ATrialThatIsInALogTwiceIsReadOnce) {
   devices::Buffer twice = short_one;
   twice.insert(twice.end(), short_one.begin(), short_one.end());
   expect_once(read_log(twice), read_log(short_one));
-  EXPECT_EQ(read_log(twice).skipped.doubled, kMessages - 1);  // all but the header, which may repeat
+  EXPECT_EQ(read_log(twice).skipped.doubled,
+            kMessages - 1);  // all but the header, which may repeat
   // Two programs sent it at once, the second some seconds later.
   const devices::Buffer one = two_minutes();
   std::vector<std::pair<Time, devices::LogEvent>> events;
