@@ -1,6 +1,5 @@
 #include "scene/play/ball_path.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -49,7 +48,7 @@ double touched_at(const engine::State& last, const engine::State& now, double ra
   const double height = last.X_WB.p.z() - radius, falls = -last.v_WB.z();
   if (height <= 0.0 || falls <= 0.0) return last.X_WB.p.y();
   const double way = height / falls * last.v_WB.y(), step = now.X_WB.p.y() - last.X_WB.p.y();
-  return last.X_WB.p.y() + std::min(way, 2.0 * step);
+  return last.X_WB.p.y() + (std::abs(way) < std::abs(2.0 * step) ? way : 2.0 * step);
 }
 
 /// The part of the way before the skittles.

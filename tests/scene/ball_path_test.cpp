@@ -117,6 +117,17 @@ TEST(BallPath, HasTheFirstTouchOfABallThatBounces) {
   }
 }
 
+TEST(BallPath, HasTheFirstTouchOfABallThatFliesBack) {
+  Stage stage = make_stage(even_lane());
+  engine::State start = hooking(stage);
+  start.X_WB.p += Vec3(0.0, 3.0, 0.1);
+  start.v_WB = Vec3(0.0, -2.0, 0.0);
+  start.w_WB = Vec3::Zero();
+  const BallPath path = way_of(stage, start).path;
+  ASSERT_TRUE(path.loft_end);
+  EXPECT_NEAR(*path.loft_end, start.X_WB.p.y() - 2.0 * std::sqrt(0.2 / kGravity), 0.003);
+}
+
 TEST(BallPath, EndsInTheGutterOrBehindTheSkittles) {
   Stage stage = make_stage(even_lane());
   engine::State start = hooking(stage);
