@@ -162,19 +162,25 @@ bool is_half_space(const Compound& c) {
   return c.parts.size() == 1 && std::holds_alternative<HalfSpace>(c.parts[0].shape);
 }
 
+bool is_turned(const Quat& q) {
+  return !q.vec().isZero(0.0);
+}
+
 /// A compound M over a polyhedron G: contacts that need no search.
 struct Over {
   Side side;  // of G
   Faces faces;
   const Pose X_WG;
+  const bool turned = is_turned(X_WG.q);
   const Compound& m;
   const Pose& X_WM;
+  const Mat3& R_WM;
   const double margin;
   QueryCounts& counts;
   std::vector<ContactPoint>& out;
 
   /// Adds those of all parts of M. @return whether none of them needs a search
-  bool carries(PairNumbers numbers) {
+  HEADPIN_FLATTEN bool carries(PairNumbers numbers) {
     const Crossed found = faces.crossed(relative(X_WG, X_WM) * m.bounds);
     if (found.what == Crossed::one_face) {
       stand_on(Ground(side, *found.face, X_WG, margin, out), m, X_WM, numbers, counts);
@@ -183,16 +189,18 @@ struct Over {
   }
 
   /// Adds those of a part of M. @return whether it needs no search
-  bool carries(std::size_t part, std::uint32_t pair) const {
-    const Vec3 p_WP = X_WM * m.parts[part].X_BG.p;
-    const Crossed found = faces.crossed(X_WG.q.conjugate() * (p_WP - X_WG.p), m.part_radius[part]);
+  HEADPIN_FLATTEN bool carries(std::size_t part, std::uint32_t pair) const {
+    const Pose& X_MP = m.parts[part].X_BG;
+    const Vec3 p_WP = X_WM * X_MP.p, p_GP_W = p_WP - X_WG.p;
+    const Vec3 p_GP = turned ? X_WG.q.conjugate() * p_GP_W : p_GP_W;
+    const Crossed found = faces.crossed(p_GP, m.part_radius[part]);
     if (found.what == Crossed::one_face) {
       ++counts.queries;
       ++counts.iterations;
       const std::size_t first = out.size();
       Ground ground(side, *found.face, X_WG, margin, out);
-      ground.carry(m.parts[part].shape, pose_of(X_WM, m, part).q.toRotationMatrix(), p_WP,
-                   ground.height(p_WP));
+      const Mat3 R_WP = m.part_turned[part] ? (X_WM.q * X_MP.q).toRotationMatrix() : R_WM;
+      ground.carry(m.parts[part].shape, R_WP, p_WP, ground.height(p_WP));
       for (std::size_t k = first; k < out.size(); ++k) out[k].feature |= pair << 16;
     }
     return found.what != Crossed::more;
@@ -315,16 +323,18 @@ void meet_faces(const Posed& of, Side faceted) {
   std::optional<PartSearch> search;  // most bodies need none
   Box around_m;                      // in the frame of F
   if (of.query.boxes) around_m = box_around(relative(X_WF, X_WM) * m.bounds, of.margin);
+  const Mat3 R_WM = X_WM.q.toRotationMatrix();
   for (std::uint32_t k = 0; k < f.parts.size(); ++k) {
     if (!around_m.meets(f.part_box[k])) continue;
-    Over over{faceted,
-              Faces(std::get<Polyhedron>(f.parts[k].shape), of.margin),
-              pose_of(X_WF, f, k),
-              m,
-              X_WM,
-              of.margin,
-              of.counts,
-              of.out};
+    Over over{.side = faceted,
+              .faces = Faces(std::get<Polyhedron>(f.parts[k].shape), of.margin),
+              .X_WG = pose_of(X_WF, f, k),
+              .m = m,
+              .X_WM = X_WM,
+              .R_WM = R_WM,
+              .margin = of.margin,
+              .counts = of.counts,
+              .out = of.out};
     if (over.carries(of_a ? PairNumbers{k * of_b, 1} : PairNumbers{k, of_b})) continue;
     if (!search) search.emplace(of);
     for (std::uint32_t l = 0; l < m.parts.size(); ++l) {
