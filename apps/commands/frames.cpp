@@ -152,6 +152,7 @@ struct Task {
   std::int64_t fps, ticks;
   bool compares;        ///< the frames drawn as shown, or all shown with --verify
   std::string why_not;  ///< empty if hashes must be equal
+  Pose X_WD_first;      ///< of the head at the start
 };
 
 /// The result.
@@ -228,11 +229,10 @@ Done watch(const FramesOptions& options, const Task& task, const scene::Recorded
           &shown.emplace(eyes, source, scene::FramesAsShown::Plan{true, all, [](std::int64_t) {}}));
     }
     if (options.writes()) {
-      const Pose X_WD_first = scene::first_head_pose(recorded.file, recorded.scenario.rig);
       observers.push_back(
           &drawing.emplace(eyes,
                            scene::FrameByFrame::Plan{task.fps, task.frames.back() + 1, is_wanted,
-                                                     X_WD_first, show, extras},
+                                                     task.X_WD_first, show, extras},
                            outputs.sinks()));
     }
   }
@@ -333,7 +333,8 @@ void draw_frames(const FramesOptions& options) {
             .fps = options.fps > 0 ? options.fps : rates.frame_hz,
             .ticks = recorded.ticks(),
             .compares = options.verify || options.as_shown,
-            .why_not = ""};
+            .why_not = "",
+            .X_WD_first = {}};
   const Time end = tick_time(task.ticks, rates.physics_hz);
   task.frames = options.as_shown ? frames_shown(recorded, wanted, options.frames)
                                  : frames_until(end, task.fps, wanted, options.frames);
@@ -341,7 +342,7 @@ void draw_frames(const FramesOptions& options) {
     throw std::runtime_error(options.trial +
                              ": has no recorded frames; expected a recording of `headpin live`");
   }
-  scene::first_head_pose(recorded.file, recorded.scenario.rig);  // throws if there is none
+  task.X_WD_first = scene::first_head_pose(recorded.file, recorded.scenario.rig);
 
   scene::Session session = scene::make_session(recorded.scenario);
   scene::Eyes eyes =

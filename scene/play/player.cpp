@@ -69,15 +69,21 @@ Twist velocity_at_sample(const Player& player, const Hand& hand, const Vec3& p_H
   return release_velocity(seen, p_HB, window);
 }
 
-/// Motion of a point of the hand in the tracked space at `time`.
+/// Motion of a point of the hand at `time`. Its velocity includes that of the walk.
 Motion hand_motion(const Player& player, const Scenario& scenario, const Vec3& p_HB, Time time) {
   const Hand& hand = scenario.hand;
-  if (!at_trigger(hand)) return {velocity_at_sample(player, hand, p_HB, time)};
-  const Time last = told_until(time, scenario.rig.delay_s + scenario.rig.predicted_s);
-  const std::vector<Stamped<Pose>>& track = player.hand.samples();
-  const auto end = std::ranges::upper_bound(track, last, {}, &Stamped<Pose>::time);
-  const auto told = std::span(track).first(static_cast<std::size_t>(end - track.begin()));
-  return motion_at(told, time, p_HB, release_window(hand));
+  Motion motion;
+  if (at_trigger(hand)) {
+    const Time last = told_until(time, scenario.rig.delay_s + scenario.rig.predicted_s);
+    const std::vector<Stamped<Pose>>& track = player.hand.samples();
+    const auto end = std::ranges::upper_bound(track, last, {}, &Stamped<Pose>::time);
+    const auto told = std::span(track).first(static_cast<std::size_t>(end - track.begin()));
+    motion = motion_at(told, time, p_HB, release_window(hand));
+  } else {
+    motion.V_WB = velocity_at_sample(player, hand, p_HB, time);
+  }
+  motion.V_WB.v += player.walk.v_WP;
+  return motion;
 }
 
 /// State of the carried body at a time, and how its motion is known.
@@ -86,12 +92,11 @@ struct Carried {
   Motion motion;
 };
 
-/// The carried body at `time`, not later than `now`. Its velocity includes that of the walk.
+/// The carried body at `time`, not later than `now`.
 Carried carried(const Player& player, const Scenario& scenario, Time time, Time now) {
   const Hand& hand = scenario.hand;
   const Pose X_WH = *hand_at(player, time, now);
-  Motion motion = hand_motion(player, scenario, hand.grip, time);
-  motion.V_WB.v = player.walk.v_WP + motion.V_WB.v;
+  const Motion motion = hand_motion(player, scenario, hand.grip, time);
   return {{{X_WH.q * player.held->q_HB, X_WH * hand.grip}, motion.V_WB.v, motion.V_WB.w}, motion};
 }
 
@@ -262,8 +267,8 @@ void place_hand(Player& player, const Tick& tick, Time now) {
     return engine::set_state(tick.world, body, {kAway, Vec3::Zero(), Vec3::Zero()});
   }
   const Hand& hand = tick.stage.scenario.hand;
-  const Twist V_PH = hand_motion(player, tick.stage.scenario, Vec3::Zero(), now).V_WB;
-  const engine::State state{*X_WH, player.walk.v_WP + V_PH.v, V_PH.w};
+  const Twist V_WH = hand_motion(player, tick.stage.scenario, Vec3::Zero(), now).V_WB;
+  const engine::State state{*X_WH, V_WH.v, V_WH.w};
   const double dt = engine::step_seconds(tick.world);
   engine::set_state(tick.world, body, at_trigger(hand) ? ending_at(state, dt) : state);
 }
