@@ -180,6 +180,8 @@ void set_values(FastrakRecord& r, Content content, const Values& v) {
 bool possible(Content content, const Values& v) {
   constexpr double kRounding = 1e-3;
   switch (content) {
+    case Content::position:
+      return std::ranges::all_of(v, [](double x) { return std::abs(x) <= kFastrakFarthest; });
     case Content::angles:
       return std::abs(v[0]) <= 180.01 && std::abs(v[1]) <= 90.01 && std::abs(v[2]) <= 180.01;
     case Content::row1:

@@ -51,6 +51,9 @@ std::size_t fastrak_item_length(int item, bool binary);
 /// Bytes of a data record: three of head, then the items.
 std::size_t fastrak_record_length(const FastrakFormat& format);
 
+/// Of a possible position, along each axis [in or cm]: ten times what the columns of ASCII hold.
+inline constexpr double kFastrakFarthest = 1e4;
+
 /// One data record. Items that its list does not name keep their defaults.
 struct FastrakRecord {
   int station = 1;                   ///< 1..4
@@ -71,7 +74,7 @@ void encode_record(const FastrakRecord& record, const FastrakFormat& format,
 ///
 /// @return  nothing unless every byte matches the format: head, station digit, space or letter,
 ///          digits in their columns, blanks, CR LF; and, in a record without error letter, every
-///          value possible: finite, angles on the circle, a unit quaternion, unit axes
+///          value possible: finite, near enough, angles on the circle, a unit quaternion, unit axes
 std::optional<FastrakRecord> decode_record(Bytes bytes, const FastrakFormat& format);
 
 /// The formats of stations 1 to 4.

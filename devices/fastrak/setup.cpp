@@ -131,6 +131,7 @@ Pose pose_of(const FastrakRecord& record, const FastrakFormat& format) {
       break;
   }
   // A record with an error letter may hold anything.
+  if (record.position.cwiseAbs().maxCoeff() > kFastrakFarthest) X_TS.p.setZero();
   const double norm = X_TS.q.norm();
   X_TS.q = norm > 1e-6 ? X_TS.q.normalized() : Quat::Identity();
   return X_TS;

@@ -224,13 +224,14 @@ void garble(std::span<std::uint8_t> bytes) {
   for (std::uint8_t& b : bytes) b = static_cast<std::uint8_t>((b * 0x4F) | 0xE0);
 }
 
-/// True if a link may be made at `path`: nothing is there, or a link to a terminal or to no file.
-bool may_link(const std::string& path) {
+/// True if a link to the terminal `name` may be made at `path`: nothing is there, or a link that was made
+/// for a terminal of its kind. A link to a real port is somebody's own.
+bool may_link(const std::string& path, const std::string& name) {
   struct stat here {};
   if (lstat(path.c_str(), &here) != 0) return true;
-  if (!S_ISLNK(here.st_mode)) return false;
-  struct stat there {};
-  return stat(path.c_str(), &there) != 0 || S_ISCHR(there.st_mode);
+  std::error_code no_link;
+  const std::filesystem::path target = std::filesystem::read_symlink(path, no_link);
+  return target.parent_path() == std::filesystem::path(name).parent_path();
 }
 
 /// The whole file, for a lock that belongs to the process that has it open. Clients of a terminal
@@ -317,7 +318,9 @@ PseudoTerminal::PseudoTerminal(const std::string& link) {
 }
 
 void PseudoTerminal::link_at(const std::string& link) {
-  if (!may_link(link)) throw std::runtime_error(link + ": exists and is not a link to a terminal");
+  if (!may_link(link, name_)) {
+    throw std::runtime_error(link + ": exists and is not a link to a pseudo-terminal");
+  }
   // A link that a killed emulator left may name our own terminal: the system gives free names again.
   std::error_code no_link;
   const bool ours = std::filesystem::read_symlink(link, no_link) == name_;

@@ -75,8 +75,8 @@ std::pair<std::unique_ptr<ByteStream>, std::unique_ptr<ByteStream>> memory_strea
 /// while no client is connected are lost, as on a real port.
 class PseudoTerminal : public ByteStream {
  public:
-  /// @param link  a symbolic link to make to the terminal; empty for none. One that points nowhere
-  ///              or to a terminal is replaced. It is removed at the end.
+  /// @param link  a symbolic link to make to the terminal; empty for none. One that points to a
+  ///              pseudo-terminal, there or gone, is replaced. It is removed at the end.
   /// @throws std::runtime_error  when no terminal can be had, or `link` is another file
   /// @throws base::Busy         when `link` belongs to another emulator
   explicit PseudoTerminal(const std::string& link = "");

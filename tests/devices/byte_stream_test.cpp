@@ -146,6 +146,14 @@ TEST(PseudoTerminalTest, LinkReplacesALeftOverButNoFile) {
   std::ofstream(file) << "mine";
   EXPECT_THROW(PseudoTerminal pty(file), std::runtime_error);
   EXPECT_EQ(fs::file_size(file), 4u);
+  for (const char* port :
+       {"/dev/ttyS0", "/dev/tty", "/dev/ttyUSB77"}) {  // somebody's name for a real one
+    const fs::path theirs = scratch("theirs");
+    fs::create_symlink(port, theirs);
+    EXPECT_THROW(PseudoTerminal pty(theirs), std::runtime_error);
+    EXPECT_EQ(fs::read_symlink(theirs), port);
+    fs::remove(theirs);
+  }
   EXPECT_THROW(PseudoTerminal pty("/no/such/folder/link"), std::runtime_error);
 }
 

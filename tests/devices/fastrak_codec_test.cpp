@@ -6,6 +6,7 @@
 
 #include "devices/fastrak/codec.h"
 #include "devices/fastrak/replies.h"
+#include "devices/fastrak/setup.h"
 
 namespace headpin::devices {
 namespace {
@@ -241,6 +242,13 @@ TEST(FastrakRecordTest, ImpossibleValuesAndShapesAreRefused) {
   auto not_finite = good;
   not_finite[5] = 0xc0, not_finite[6] = 0x7f;  // NaN in x
   EXPECT_FALSE(decode_record(not_finite, format));
+  auto far = good;
+  far[6] ^= 0x20;  // a bit in the exponent of x: 2^64 times as far
+  EXPECT_FALSE(decode_record(far, format));
+  far[2] = 'k';  // may hold anything; its sample must be one that a log can be read with
+  const auto flagged = decode_record(far, format);
+  ASSERT_TRUE(flagged);
+  EXPECT_EQ(pose_of(*flagged, format).p, Vec3::Zero());
   EXPECT_FALSE(decode_record(Bytes(good).first(31), format));
   auto longer = good;
   longer.push_back(' ');
