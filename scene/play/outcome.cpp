@@ -36,7 +36,9 @@ std::string why_nothing_fell(std::span<const Event> events) {
   if (fell) return "";
   if (!first_of(events, kind::grab)) {
     const Event* missed = first_of(events, kind::missed_grab);
-    if (!missed) return "the trigger was never pressed, so the ball stayed where it was";
+    if (!missed) {
+      return "the trigger was never pressed while the hand was tracked, so the ball stayed where it was";
+    }
     return fmt::format(
         "the trigger was pressed at {:.3f} s with the hand {:.2f} m from the {}, "
         "too far to take it",

@@ -65,12 +65,16 @@ void pass_on_materials(const std::vector<std::string>& assignments, Scenario& sc
           [](Scenario& s, double value) { set_friction(s, value); });
 }
 
-void set_under(const Condition& condition, const std::string& assignment, Scenario& scenario) {
-  if (condition.where.empty()) {
-    set(scenario, assignment, condition.option + brief(assignment));
-  } else {
-    set(scenario, assignment, condition.where);
+/// Sets the values whose keys are wanted.
+template <typename Wanted>
+void set_under(const Condition& condition, Scenario& scenario, Wanted&& is_wanted) {
+  std::vector<Assignment> wanted;
+  for (const std::string& one : condition.set) {
+    if (!is_wanted(one)) continue;
+    wanted.push_back(
+        {one, condition.where.empty() ? condition.option + brief(one) : condition.where});
   }
+  set(scenario, wanted);
 }
 
 /// Versions have their own materials, shape and perhaps detection. Values for the scenario go to
@@ -90,7 +94,7 @@ void pass_on_to_versions(const Condition& condition, Scenario& scenario) {
     detection |= is_of(assignment, "detection");
     iterations |= is_of(assignment, "iterations");
     if (!is_of(assignment, "shape")) continue;
-    set_under(condition, assignment, scenario);
+    set_under(condition, scenario, [&](const std::string& one) { return one == assignment; });
     set_shape(scenario, scenario.collision.shape);
   }
   for (Version* version : {&scenario.version.red, &scenario.version.blue}) {
@@ -98,9 +102,8 @@ void pass_on_to_versions(const Condition& condition, Scenario& scenario) {
     if (iterations) version->iterations = 0;
   }
   pass_on_materials(condition.set, scenario);
-  for (const std::string& assignment : condition.set) {
-    if (is_in(key_of(assignment), "version")) set_under(condition, assignment, scenario);
-  }
+  set_under(condition, scenario,
+            [](const std::string& one) { return is_in(key_of(one), "version"); });
 }
 
 struct ValueChecker {
@@ -129,7 +132,7 @@ void apply(const Condition& condition, Scenario& scenario) {
   for (const render::Look& look : render::looks()) {
     if (condition.look == look.name) scenario.look = look.quality;
   }
-  for (const std::string& assignment : condition.set) set_under(condition, assignment, scenario);
+  set_under(condition, scenario, [](const std::string&) { return true; });
   pass_on_to_versions(condition, scenario);
 }
 

@@ -142,6 +142,10 @@ void complete(Scenario& scenario, ScenarioText& text, const Scenario& before = {
   take_parts(scenario, text);
   follow_polyhedra(scenario, text);
   take_meshes(scenario, text, before);
+}
+
+/// Checks a scenario that a text changed.
+void check(const Scenario& scenario, const ScenarioText& text) {
   const Lines lines = text.one_line ? Lines{} : text.lines;
   check(scenario, text.where, lines);
   if (!text.whole && (text.names("rig") || text.names("game"))) {
@@ -157,6 +161,7 @@ Scenario parse_scenario(std::string_view toml, std::string_view where) {
                     .folder = std::filesystem::path(where).parent_path()};
   read_text(scenario, toml, text);
   complete(scenario, text);
+  check(scenario, text);
   return scenario;
 }
 
@@ -167,6 +172,7 @@ Scenario scenario_of_trial(std::string_view toml, std::string_view trial) {
                     .folder = std::filesystem::path(trial).parent_path()};
   read_text(scenario, toml, text);
   complete(scenario, text);
+  check(scenario, text);
   return scenario;
 }
 
@@ -188,10 +194,23 @@ void set(Scenario& scenario, std::string_view assignment) {
 }
 
 void set(Scenario& scenario, std::string_view assignment, std::string_view where) {
-  ScenarioText text{.where = std::string(where), .one_line = true};
-  const Scenario before = scenario;
-  read_assignment(scenario, assignment, text);
-  complete(scenario, text, before);
+  set(scenario, {{std::string(assignment), std::string(where)}});
+}
+
+void set(Scenario& scenario, const std::vector<Assignment>& assignments) {
+  std::vector<ScenarioText> in_doubt;  // they may fit the values that follow
+  for (const auto& [assignment, where] : assignments) {
+    ScenarioText text{.where = where, .one_line = true};
+    const Scenario before = scenario;
+    read_assignment(scenario, assignment, text);
+    complete(scenario, text, before);
+    try {
+      check(scenario, text);
+    } catch (const std::invalid_argument&) {
+      in_doubt.push_back(std::move(text));
+    }
+  }
+  for (const ScenarioText& text : in_doubt) check(scenario, text);
 }
 
 }  // namespace headpin::scene

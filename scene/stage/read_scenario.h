@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "scene/scenario/scenario.h"
 
@@ -54,5 +55,13 @@ void set(Scenario& scenario, std::string_view assignment);
 
 /// @param where  what messages begin with in place of "ball.mass=5"
 void set(Scenario& scenario, std::string_view assignment, std::string_view where);
+
+/// One value, and what messages about it begin with.
+struct Assignment {
+  std::string text, where;
+};
+/// Changes values in their order. Only together must they fit.
+/// @throws std::invalid_argument  as parse_scenario
+void set(Scenario& scenario, const std::vector<Assignment>& assignments);
 
 }  // namespace headpin::scene

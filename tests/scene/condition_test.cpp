@@ -31,6 +31,16 @@ TEST(ConditionTest, RefusesAnUnknownName) {
   EXPECT_NE(complaint_under({.set = {"collision.shape='cube'"}}), "");
 }
 
+TEST(ConditionTest, ValuesNeedToFitTogetherAlone) {
+  EXPECT_EQ(complaint_under({.set = {"rig.head_station=2", "rig.hand_station=1"}}), "");
+  EXPECT_EQ(complaint_under({.set = {"lane.head_pin=18.288", "room.ahead=20"}}), "");
+  EXPECT_EQ(complaint_under({.set = {"room.ahead=20", "lane.head_pin=18.288"}}), "");
+  const std::string alone = complaint_under({.set = {"rig.head_station=2"}});
+  EXPECT_NE(alone, "");
+  EXPECT_EQ(complaint_under({.set = {"ball.mass=5", "rig.head_station=2", "ball.radius=0.1"}}),
+            alone);
+}
+
 /// Whether the names of each choice are all that there are.
 struct ListedChoices {
   template <typename T>

@@ -43,7 +43,9 @@ TEST(WhyNothingFell, IsNotSaidWhereABallFelledASkittle) {
 }
 
 TEST(WhyNothingFell, IsTheFirstThingThatWasAmiss) {
-  EXPECT_EQ(why({}), "the trigger was never pressed, so the ball stayed where it was");
+  EXPECT_EQ(
+      why({}),
+      "the trigger was never pressed while the hand was tracked, so the ball stayed where it was");
   Event missed = told(kind::missed_grab, {"ball 2"}, 0.421);
   missed.time = Time{1'500'000};
   EXPECT_EQ(why({missed, told(kind::missed_grab, {"ball"}, 0.9)}),
