@@ -168,6 +168,24 @@ void prepare_socket(int fd) {
   fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_NONBLOCK);
 }
 
+/// Lets a socket fail some 10 s after its peer's machine or network went away without a word.
+void notice_death(int fd) {
+  const auto set = [&](int level, int option, int value) {
+    setsockopt(fd, level, option, &value, sizeof value);
+  };
+  set(SOL_SOCKET, SO_KEEPALIVE, 1);
+  set(IPPROTO_TCP, TCP_KEEPIDLE, 4);   // s
+  set(IPPROTO_TCP, TCP_KEEPINTVL, 2);  // s
+  set(IPPROTO_TCP, TCP_KEEPCNT, 3);
+  set(IPPROTO_TCP, TCP_USER_TIMEOUT, 10'000);  // ms
+}
+
+/// Whether the peer of a socket has closed it.
+bool has_left(int fd) {
+  pollfd state{fd, POLLRDHUP, 0};
+  return ::poll(&state, 1, 0) == 1;
+}
+
 /// Connects a socket that does not block; sets errno when that fails.
 bool connected(int fd, const addrinfo& to, std::chrono::milliseconds patience) {
   if (::connect(fd, to.ai_addr, to.ai_addrlen) == 0) return true;
@@ -424,9 +442,14 @@ void TcpServer::hang_up() {
 void TcpServer::accept_newcomer() {
   const int newcomer = accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
   if (newcomer < 0) return;
+  if (client_ >= 0 && !has_left(client_)) {
+    ::close(newcomer);
+    return;
+  }
   hang_up();
   client_ = newcomer;
   prepare_socket(client_);
+  notice_death(client_);
 }
 
 std::size_t TcpServer::read(std::span<std::uint8_t> out) {

@@ -114,7 +114,7 @@ class PseudoTerminal : public ByteStream {
   std::string link_;
 };
 
-/// A TCP server; one client at a time, a newcomer replaces the last one.
+/// A TCP server; one client at a time: a newcomer is hung up while it is there.
 ///
 /// Bytes that are written while no client is connected are lost.
 class TcpServer : public ByteStream {

@@ -2,10 +2,12 @@
 
 #include <charconv>
 #include <stdexcept>
+#include <string_view>
 
 namespace headpin::devices {
 namespace {
 
+constexpr std::string_view kTcp = "tcp:";
 constexpr std::chrono::milliseconds kBetweenTries{200};
 constexpr std::chrono::milliseconds kFirstPatience{5000}, kLaterPatience{50};
 
@@ -15,7 +17,7 @@ struct TcpAddress {
 };
 
 TcpAddress read_address(const std::string& name) {
-  const std::string address = name.substr(4);
+  const std::string address = name.substr(kTcp.size());
   const std::size_t colon = address.rfind(':');
   const std::string digits = colon == std::string::npos ? "" : address.substr(colon + 1);
   TcpAddress read;
@@ -49,6 +51,7 @@ bool LastingLine::there() {
   } catch (const std::runtime_error&) {
     return false;  // not available yet
   }
+  spoke_ = false;
   set_rate();
   return line_ != nullptr;
 }
@@ -66,6 +69,7 @@ void LastingLine::set_rate() {
 std::size_t LastingLine::read(std::span<std::uint8_t> out) {
   if (!there()) return 0;
   const std::size_t n = line_->read(out);
+  spoke_ |= n > 0;
   if (line_->closed()) line_.reset();
   return n;
 }
@@ -75,7 +79,11 @@ std::size_t LastingLine::write(Bytes bytes) {
 }
 
 std::string LastingLine::trouble() const {
-  return line_ && !line_->closed() ? "" : name_ + " hung up; waiting for it to come back";
+  if (line_ && !line_->closed()) return "";
+  const bool refused = name_.starts_with(kTcp) && !spoke_;
+  return name_ +
+         (refused ? " hung up without a word, as where another client has it" : " hung up") +
+         "; waiting for it to come back";
 }
 
 void LastingLine::set_baud(int baud) {
@@ -87,7 +95,7 @@ std::unique_ptr<ByteStream> open_line(const std::string& name, int baud) {
   if (name.empty()) {
     throw std::invalid_argument("line '': expected the name of a serial port or tcp:HOST:PORT");
   }
-  if (!name.starts_with("tcp:")) {
+  if (!name.starts_with(kTcp)) {
     return std::make_unique<LastingLine>(name, [=] { return open_serial(name, baud); });
   }
   const TcpAddress address = read_address(name);

@@ -38,7 +38,8 @@ class LastingLine : public ByteStream {
   std::string name_;
   Open open_;
   std::unique_ptr<ByteStream> line_;
-  int baud_ = 0;  ///< as last set; 0: as it was opened
+  bool spoke_ = false;  ///< it has sent something since it was opened
+  int baud_ = 0;        ///< as last set; 0: as it was opened
   std::chrono::steady_clock::time_point last_try_;
 };
 

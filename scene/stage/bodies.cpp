@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/non_colliding.h"
 #include "scene/stage/outline.h"
 #include "scene/stage/room.h"
 
@@ -27,14 +28,28 @@ engine::Part make_part(const SkittlePart& part) {
   return {engine::Ellipsoid{Vec3(part.radius, part.radius, half)}, X_BG};
 }
 
-/// Whether all parts are the convex pieces of one mesh file. These touch and do not overlap.
+/// Whether two polyhedra overlap by more than the rounding of planes between them.
+bool overlap(const SkittlePart& a, const SkittlePart& b) {
+  constexpr double kTouch = 1e-6;  // [m]
+  engine::KeptNormal n;
+  const engine::Polyhedron pa(a.corners, a.faces), pb(b.corners, b.faces);
+  return engine::closest_points(pa, pb, {}, n, {}).distance < -kTouch;
+}
+
+/// Whether all parts are convex pieces of one mesh file. Pieces of one shell touch and do not overlap;
+/// shells may.
 engine::Overlaps overlaps_of(const std::vector<SkittlePart>& parts) {
   const auto is_piece = [&](const SkittlePart& part) {
     return part.shape == PartShape::polyhedron && !part.mesh.file.empty() &&
            part.mesh.file == parts[0].mesh.file && part.mesh.sha256 == parts[0].mesh.sha256;
   };
-  return std::all_of(parts.begin(), parts.end(), is_piece) ? engine::Overlaps::none
-                                                           : engine::Overlaps::maybe;
+  if (!std::all_of(parts.begin(), parts.end(), is_piece)) return engine::Overlaps::maybe;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    for (std::size_t j = i + 1; j < parts.size(); ++j) {
+      if (overlap(parts[i], parts[j])) return engine::Overlaps::maybe;
+    }
+  }
+  return engine::Overlaps::none;
 }
 
 /// Mass properties of the skittle: from its outline, its parts, or its one ellipsoid.

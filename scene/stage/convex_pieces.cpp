@@ -75,6 +75,98 @@ std::vector<Vec3> bends_of(const Surface& surface, const std::map<Directed, std:
   return bends;
 }
 
+/// Whether a point is inside a surface, by the solid angle of the surface seen from it (van Oosterom and
+/// Strackee 1983): 4 pi from inside, 0 from outside.
+bool is_inside(const Surface& surface, const Vec3& p) {
+  double angle = 0.0;
+  for (const Triangle& t : surface.triangles) {
+    const Vec3 a = surface.points[t[0]] - p, b = surface.points[t[1]] - p,
+               c = surface.points[t[2]] - p;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    angle += 2.0 * std::atan2(a.dot(b.cross(c)),
+                              la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return angle > 2.0 * std::numbers::pi;
+}
+
+/// The parts of a surface whose triangles share no edges: each is closed by itself.
+std::vector<Surface> shells_of(const Surface& surface,
+                               const std::map<Directed, std::uint32_t>& sides) {
+  constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  std::vector<std::uint32_t> shell_of(surface.triangles.size(), kNone), open;
+  std::uint32_t count = 0;
+  for (std::uint32_t first = 0; first < surface.triangles.size(); ++first) {
+    if (shell_of[first] != kNone) continue;
+    open = {first};
+    shell_of[first] = count;
+    while (!open.empty()) {
+      const Triangle& corners = surface.triangles[open.back()];
+      open.pop_back();
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t beside = sides.at({corners[(k + 1) % 3], corners[k]});
+        if (shell_of[beside] != kNone) continue;
+        shell_of[beside] = count;
+        open.push_back(beside);
+      }
+    }
+    ++count;
+  }
+  if (count == 1) return {surface};
+  std::vector<Surface> shells(count);
+  std::vector<std::map<std::uint32_t, std::uint32_t>> number(count);
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
+    Surface& shell = shells[shell_of[t]];
+    Triangle& corners = shell.triangles.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t point = surface.triangles[t][k];
+      const auto [known, is_new] =
+          number[shell_of[t]].try_emplace(point, static_cast<std::uint32_t>(shell.points.size()));
+      if (is_new) shell.points.push_back(surface.points[point]);
+      corners[k] = known->second;
+    }
+  }
+  return shells;
+}
+
+void append(Surface& to, const Surface& from) {
+  const auto first = static_cast<std::uint32_t>(to.points.size());
+  to.points.insert(to.points.end(), from.points.begin(), from.points.end());
+  for (const auto& [a, b, c] : from.triangles) {
+    to.triangles.push_back({a + first, b + first, c + first});
+  }
+}
+
+/// The bodies that a surface encloses: its shells, each with the shells of the holes in it. Those without
+/// volume are none.
+std::vector<Surface> bodies_of(const Surface& surface,
+                               const std::map<Directed, std::uint32_t>& sides, double nothing) {
+  std::vector<Surface> shells = shells_of(surface, sides);
+  if (shells.size() == 1) return shells;
+  std::vector<Surface> bodies, holes;
+  for (Surface& shell : shells) {
+    const double volume = volume_of(shell);
+    if (std::abs(volume) <= nothing) continue;
+    (volume > 0.0 ? bodies : holes).push_back(std::move(shell));
+  }
+  const std::vector<Surface> whole = bodies;
+  for (const Surface& hole : holes) {
+    std::optional<std::size_t> around;  // the smallest
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+      if (!is_inside(whole[i], hole.points[0])) continue;
+      if (!around || volume_of(whole[i]) < volume_of(whole[*around])) around = i;
+    }
+    if (!around) {
+      const Vec3& p = hole.points[0];
+      refuse_surface(
+          fmt::format("a part of it is turned inside out, at {:.4g}, {:.4g}, {:.4g} m: its "
+                      "faces are clockwise from outside; flip its normals",
+                      p.x(), p.y(), p.z()));
+    }
+    append(bodies[*around], hole);
+  }
+  return bodies;
+}
+
 /// Part of a convex polygon on one side of a plane across an axis.
 /// @param keep  +1: what is below `at`; -1: what is above it
 void clip(std::vector<Vec3>& polygon, std::vector<Vec3>& buffer, int axis, double at, double keep) {
@@ -139,7 +231,7 @@ class Clipper {
       Vec3 at;
       for (int axis = 0; axis < 3; ++axis)
         at[axis] = (corner >> axis & 1) != 0 ? high[axis] : low[axis];
-      if (is_inside(at + kJustInside * (middle - at))) points.push_back(at);
+      if (is_inside(surface_, at + kJustInside * (middle - at))) points.push_back(at);
     }
     return points;
   }
@@ -183,20 +275,6 @@ class Clipper {
     return six / 6.0;
   }
 
-  /// Whether a point is inside, by the solid angle of the surface seen from it (van Oosterom and
-  /// Strackee 1983): 4 pi from inside, 0 from outside.
-  bool is_inside(const Vec3& p) const {
-    double angle = 0.0;
-    for (const Triangle& t : surface_.triangles) {
-      const Vec3 a = surface_.points[t[0]] - p, b = surface_.points[t[1]] - p,
-                 c = surface_.points[t[2]] - p;
-      const double la = a.norm(), lb = b.norm(), lc = c.norm();
-      angle += 2.0 * std::atan2(a.dot(b.cross(c)),
-                                la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-    }
-    return angle > 2.0 * std::numbers::pi;
-  }
-
   const Surface& surface_;
   Vec3 low_, high_;
   std::vector<Vec3> polygon_, buffer_;
@@ -209,6 +287,7 @@ struct Piece {
   std::optional<engine::Polyhedron> hull;  // none where the body has no volume in it
   double added = 0.0;                      // by the hull to the volume
   bool done = false;                       // no cut makes it better
+  std::size_t body = 0;                    // that it is of
 };
 
 using Halves = std::pair<Piece, Piece>;
@@ -328,8 +407,17 @@ std::vector<engine::Polyhedron> convex_pieces(const Surface& surface, std::size_
   if (volume < 0.0)
     refuse_surface("turned inside out: its faces are clockwise from outside; flip its normals");
   if (!(volume > 1e-9 * size * size * size)) refuse_surface("has no volume");
-  Cutter cutter(clipper, bends_of(surface, sides, engine::Polyhedron::kTolerance * size), volume);
-  std::vector<Piece> pieces{cutter.whole()};
+  std::vector<Surface> bodies = bodies_of(surface, sides, 1e-9 * size * size * size);
+  if (bodies.size() > most) bodies = {surface};
+  std::vector<Cutter> cutters;
+  std::vector<Piece> pieces;
+  for (const Surface& body : bodies) {
+    cutters.emplace_back(Clipper(body),
+                         bends_of(body, sides_of(body), engine::Polyhedron::kTolerance * size),
+                         volume_of(body));
+    pieces.push_back(cutters.back().whole());
+    pieces.back().body = cutters.size() - 1;
+  }
   const auto by_added = [](const Piece& a, const Piece& b) {
     return (a.done ? -1.0 : a.added) < (b.done ? -1.0 : b.added);
   };
@@ -338,9 +426,10 @@ std::vector<engine::Polyhedron> convex_pieces(const Surface& surface, std::size_
     for (const Piece& piece : pieces) all += piece.added;
     Piece& worst = *std::max_element(pieces.begin(), pieces.end(), by_added);
     if (all <= added * volume || worst.done) break;
-    auto halves = cutter.cut(worst);
+    auto halves = cutters[worst.body].cut(worst);
     worst.done = !halves;
     if (!halves) continue;
+    halves->first.body = halves->second.body = worst.body;
     worst = std::move(halves->first);
     pieces.push_back(std::move(halves->second));
     std::erase_if(pieces, [](const Piece& piece) { return !piece.hull; });

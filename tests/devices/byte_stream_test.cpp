@@ -265,6 +265,27 @@ TEST(TcpServerTest, OneClientAfterTheOther) {
   }
 }
 
+// As a serial line, which has one end: who comes later must not end the session that is under way.
+TEST(TcpServerTest, ASecondClientIsHungUpAndTheFirstKeepsTheLine) {
+  TcpServer server(0);
+  const std::string name = "tcp:127.0.0.1:" + std::to_string(server.port());
+  const auto first = connect_tcp("127.0.0.1", server.port());
+  put(*first, "S");
+  EXPECT_EQ(get(server, 1), "S");
+  const auto second = open_line(name, 115200);
+  while (second->trouble().empty()) {
+    put(server, "x");
+    std::array<std::uint8_t, 8> bytes{};
+    second->read(bytes);
+  }
+  EXPECT_EQ(second->trouble(),
+            name +
+                " hung up without a word, as where another client has it; waiting "
+                "for it to come back");
+  put(*first, "P");
+  EXPECT_EQ(get(server, 1), "P");
+}
+
 TEST(TcpServerTest, NobodyThereLosesTheBytes) {
   TcpServer server(0);
   EXPECT_EQ(put(server, "nobody"), 6u);

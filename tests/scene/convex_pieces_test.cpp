@@ -205,6 +205,66 @@ TEST(ConvexPieces, OfATubeCoverItOnceAndLeaveItsHole) {
   EXPECT_GT(open, 20 * filled);  // what the hulls add
 }
 
+/// A box between two corners.
+Surface box(const Vec3& low, const Vec3& high) {
+  Surface s = prism_over({low.head<2>(), {high.x(), low.y()}, high.head<2>(), {low.x(), high.y()}},
+                         high.z() - low.z(), {{0, 1, 2}, {0, 2, 3}});
+  for (Vec3& p : s.points) p.z() += low.z();
+  return s;
+}
+
+Surface inside_out(Surface s) {
+  for (auto& t : s.triangles) std::swap(t[0], t[1]);
+  return s;
+}
+
+Surface both(Surface a, const Surface& b) {
+  const auto first = static_cast<std::uint32_t>(a.points.size());
+  a.points.insert(a.points.end(), b.points.begin(), b.points.end());
+  for (const auto& t : b.triangles) {
+    a.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  return a;
+}
+
+TEST(ConvexPieces, OfShellsAreThoseOfEachShell) {
+  const Surface base = box({-0.05, -0.05, 0.0}, {0.05, 0.05, 0.1});
+  const std::vector<std::pair<Surface, double>> cases = {
+      {both(base, box({-0.02, -0.02, 0.1}, {0.02, 0.02, 0.3})),
+       0.001 + 0.00032},  // it stands on it
+      {both(base, box({-0.05, -0.05, 0.36}, {0.05, 0.05, 0.38})), 0.001 + 0.0002},  // apart
+      {both(base, box({-0.0495, -0.05, 0.0}, {0.0505, 0.05, 0.1})), 2 * 0.001},  // one in the other
+      {both(box({-0.1, -0.01, 0.0}, {0.1, 0.01, 0.3}), box({-0.01, -0.1, 0.0}, {0.01, 0.1, 0.3})),
+       2 * 0.0012},  // across each other
+  };
+  for (const auto& [surface, volume] : cases) {
+    const std::vector<engine::Polyhedron> pieces = convex_pieces(surface, 16);
+    ASSERT_EQ(pieces.size(), 2u);
+    EXPECT_NEAR(volume_of_all(pieces), volume, 1e-12);
+  }
+  const auto mixed = convex_pieces(both(ell(), box({0.2, 0.0, 0.0}, {0.3, 0.1, 0.1})), 16);
+  EXPECT_EQ(mixed.size(), 3u);
+  EXPECT_NEAR(volume_of_all(mixed), 0.75 * 0.1 * 0.1 * 0.3 + 0.001, 1e-12);
+}
+
+TEST(ConvexPieces, OfAShellInsideOutAreAHoleOrRefused) {
+  const Surface base = box({-0.05, -0.05, 0.0}, {0.05, 0.05, 0.1});
+  const Surface hole = inside_out(box({-0.03, -0.03, 0.02}, {0.03, 0.03, 0.08}));
+  const auto hollow = convex_pieces(both(base, hole), 16, 0.001);
+  EXPECT_GE(hollow.size(), 6u);
+  EXPECT_NEAR(volume_of_all(hollow), 0.001 - 0.06 * 0.06 * 0.06, 2e-6);
+  EXPECT_THAT(refusal(both(base, inside_out(box({0.2, 0.0, 0.0}, {0.21, 0.01, 0.01})))),
+              HasSubstr("a part of it is turned inside out, at 0.2, 0, 0"));
+}
+
+TEST(ConvexPieces, OfMoreShellsThanPiecesAreCutAsOfOne) {
+  Surface steps = box({0.0, 0.0, 0.0}, {0.01, 0.05, 0.05});
+  for (int k = 1; k < 6; ++k)
+    steps = both(steps, box({0.02 * k, 0.0, 0.0}, {0.02 * k + 0.01, 0.05, 0.05}));
+  EXPECT_EQ(convex_pieces(steps, 6).size(), 6u);
+  EXPECT_LE(convex_pieces(steps, 5).size(), 5u);
+}
+
 TEST(ConvexPieces, AreTheSameEachTime) {
   const Surface spool = turned(kSpool, 24);
   const auto once = convex_pieces(spool, 16), again = convex_pieces(spool, 16);

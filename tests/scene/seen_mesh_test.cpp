@@ -76,6 +76,42 @@ TEST(PolyhedronPart, StandsUntilItIsStruck) {
   expect_stands(scenario);
 }
 
+/// A box as an object of an OBJ file whose corners are numbered from `first`.
+std::string box_object(const Vec3& low, const Vec3& high, int first) {
+  std::string text = "o box\n";
+  for (int k = 0; k < 8; ++k) {
+    text += fmt::format("v {} {} {}\n", (k & 1) != 0 ? high.x() : low.x(),
+                        (k & 2) != 0 ? high.y() : low.y(), (k & 4) != 0 ? high.z() : low.z());
+  }
+  for (const auto& [a, b, c, d] : {std::array{0, 2, 3, 1},
+                                   {4, 5, 7, 6},
+                                   {0, 1, 5, 4},
+                                   {2, 6, 7, 3},
+                                   {0, 4, 6, 2},
+                                   {1, 3, 7, 5}}) {
+    text += fmt::format("f {} {} {} {}\n", a + first, b + first, c + first, d + first);
+  }
+  return text;
+}
+
+// By hand: the moments of the boxes about the base, matter where they overlap once.
+TEST(PolyhedronPart, OfSeveralShellsIsWeighedAsTheirUnion) {
+  const TemporaryFolder folder;
+  const auto centre = [&](const std::string& shells) {
+    spit(folder / "shells.obj", shells);
+    return skittle_body(
+               parse_scenario(
+                   "[skittle]\nmass = 1.0\nparts = [{shape = 'polyhedron', file = 'shells.obj'}]\n",
+                   (folder / "shells.toml").string()))
+        .centre_height;
+  };
+  const std::string base = box_object({-0.05, -0.05, 0.0}, {0.05, 0.05, 0.1}, 1);
+  EXPECT_NEAR(centre(base + box_object({-0.02, -0.02, 0.1}, {0.02, 0.02, 0.3}, 9)),
+              (1000 * 0.05 + 320 * 0.2) / 1320, 1e-7);
+  EXPECT_NEAR(centre(base + box_object({-0.02, -0.02, 0.05}, {0.02, 0.02, 0.3}, 9)),
+              (1000 * 0.05 + 320 * 0.2) / 1320, 2e-4);
+}
+
 // What a file does not say follows from its mesh; what it says stays.
 TEST(PolyhedronPart, DecidesHeightProfileMassAndLook) {
   const TemporaryFolder folder;
