@@ -168,7 +168,7 @@ void diagnose(bool json, const std::string& gl) {
   }
   nlohmann::json all = nlohmann::json::object();
   for (const Finding& f : findings) {
-    all[f.name] = {{"works", f.works}, {"says", f.says}, {"remedy", f.remedy}};
+    all[f.name] = {{"works", f.works}, {"says", f.says}, {"remedy", f.works ? "" : f.remedy}};
     if (json) continue;
     fmt::print("{:<15}{:<5}{}\n", f.name, f.works ? "ok" : "no", f.says);
     if (!f.works && !f.remedy.empty()) fmt::print("{:<20}type: {}\n", "", f.remedy);

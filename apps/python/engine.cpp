@@ -1,8 +1,11 @@
 #include "apps/python/engine.h"
 
+#include <cmath>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
@@ -89,7 +92,7 @@ void add_compounds(py::module_& m) {
   m.def(
       "mass_properties",
       [](const SharedCompound& compound, double density) {
-        return mass_properties(*compound, density);
+        return mass_properties(*compound, checked_density(density));
       },
       "compound"_a, "density"_a,
       "Mass, centre and inertia of a solid of one density [kg/m^3]; matter where parts overlap "
@@ -98,15 +101,28 @@ void add_compounds(py::module_& m) {
 
 py::dict closest(const Shape& a, const Shape& b, const Vec3& position, const Quaternion& quaternion,
                  double margin) {
+  const Pose X_AB = pose_of(position, quaternion);
+  if (!X_AB.p.allFinite() || !(std::abs(X_AB.q.norm() - 1.0) < 1e-9)) {
+    throw std::invalid_argument("closest_points: position is not finite or quaternion not unit");
+  }
+  if (!(margin >= 0.0)) {
+    throw std::invalid_argument(fmt::format("margin: expected 0 or more, found {}", margin));
+  }
   KeptNormal kept;
   Query query;
   query.margin = margin;
-  const Closest c = closest_points(a, b, pose_of(position, quaternion), kept, query);
+  const Closest c = closest_points(a, b, X_AB, kept, query);
   return py::dict("separated"_a = c.separated, "distance"_a = c.distance, "point_a"_a = c.p_A,
                   "point_b"_a = c.p_B, "normal"_a = c.n_AB, "iterations"_a = c.iterations);
 }
 
 }  // namespace
+
+double checked_density(double density) {
+  if (density > 0.0 && std::isfinite(density)) return density;
+  throw std::invalid_argument(
+      fmt::format("density: expected finite and above 0, found {}", density));
+}
 
 Pose pose_of(const Vec3& position, const Quaternion& q) {
   return {Quat(q[0], q[1], q[2], q[3]), position};

@@ -92,6 +92,9 @@ void push(PySession& s, const py::object& what) {
 }
 
 void make_ticks(PySession& s, std::int64_t count) {
+  if (count < 0) {
+    throw std::invalid_argument("count: expected 0 or more, found " + std::to_string(count));
+  }
   scene::Session& session = s.get();
   if (s.broken) {
     throw std::runtime_error("session: tick " + std::to_string(session.tick + 1) +

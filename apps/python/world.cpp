@@ -165,7 +165,7 @@ Body body_of(const SharedCompound& shape, const std::string& name, double mass,
 }
 
 py::dict about_its_centre(const SharedCompound& compound, double density) {
-  const Centred c = about_centre(*compound, mass_properties(*compound, density));
+  const Centred c = about_centre(*compound, mass_properties(*compound, checked_density(density)));
   const Quat& q = c.X_BC.q;
   return py::dict("compound"_a = SharedCompound(c.compound), "position"_a = c.X_BC.p,
                   "quaternion"_a = Quaternion(q.w(), q.x(), q.y(), q.z()), "mass"_a = c.mass,

@@ -45,7 +45,10 @@ std::vector<std::string> CommandPipe::lines() {
   if (fd_ < 0) return {};
   const ssize_t n = ::read(fd_, bytes.data(), bytes.size());
   if (n > 0) text_.append(bytes.data(), static_cast<std::size_t>(n));
-  if (n == 0) fd_ = -1;  // the end of standard input
+  if (n == 0) {  // the end of standard input, and of its last line
+    fd_ = -1;
+    if (!text_.empty()) text_ += '\n';
+  }
   if (text_.size() > kLongest && text_.find('\n') > kLongest) {
     text_.erase(0, std::min(text_.find('\n'), text_.size()));
     ++ignored_;

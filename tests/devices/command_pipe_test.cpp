@@ -69,6 +69,24 @@ TEST(CommandPipeTest, RefusesAFileThatIsNoPipeAndLeavesIt) {
   EXPECT_EQ(slurp(path), "a text");
 }
 
+TEST(CommandPipeTest, TheLastLineOfStandardInputNeedsNoEnd) {
+  const int before = dup(STDIN_FILENO);
+  int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  dup2(ends[0], STDIN_FILENO);
+  ASSERT_EQ(::write(ends[1], "press\nquit", 10), 10);
+  ::close(ends[1]);
+  {
+    CommandPipe pipe("-");
+    EXPECT_THAT(pipe.lines(), ElementsAre("press"));
+    EXPECT_THAT(pipe.lines(), ElementsAre("quit"));
+    EXPECT_THAT(pipe.lines(), IsEmpty());
+  }
+  dup2(before, STDIN_FILENO);
+  ::close(before);
+  ::close(ends[0]);
+}
+
 TEST(CommandPipeTest, WithoutAPathNoLineComes) {
   CommandPipe pipe("");
   EXPECT_EQ(pipe.descriptor(), -1);

@@ -280,6 +280,16 @@ class Shapes(unittest.TestCase):
             engine.Body(engine.Ellipsoid([0.1] * 3), inertia=np.diag([1.0, 1.0, 5.0]))
         with self.assertRaisesRegex(ValueError, "count: expected 0 or more, found -5"):
             engine.World().step(-5)
+        ball = engine.Ellipsoid([0.1] * 3)
+        for position, quaternion in (([1, 0, 0], [2, 0, 2, 0]), ([np.nan, 0, 0], [1, 0, 0, 0])):
+            with self.assertRaisesRegex(ValueError, "position is not finite or quaternion not unit"):
+                engine.closest_points(ball, ball, position, quaternion)
+        with self.assertRaisesRegex(ValueError, "margin: expected 0 or more, found nan"):
+            engine.closest_points(ball, ball, [1, 0, 0], margin=np.nan)
+        for density in (0, -1, np.nan, np.inf):
+            for weigh in (engine.mass_properties, engine.about_centre):
+                with self.assertRaisesRegex(ValueError, "density: expected finite and above 0"):
+                    weigh(ball, density)
 
     def test_a_compound_is_put_about_its_centre(self):
         parts = [engine.Part(engine.Ellipsoid([0.1] * 3), [x, 0, 0]) for x in (0.0, 1.0)]

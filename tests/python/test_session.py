@@ -123,6 +123,8 @@ class OfATrial(unittest.TestCase):
         session.push(trial.samples)
         for row in trial.buttons:
             session.push(row)
+        with self.assertRaisesRegex(ValueError, "count: expected 0 or more, found -3"):
+            session.step(-3)
         session.step(self.summary["ticks"])
         self.assertEqual(session.game_hash, self.summary["game_hash"])
 
