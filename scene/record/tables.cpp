@@ -69,7 +69,8 @@ std::vector<TableField<TrackerRow>> tracker_fields() {
               [](const Row& r) -> TableValue { return r.sample.host_time; }},
              {"sequence", "whole", "", "number of the sample, per station; a gap is a lost sample",
               [](const Row& r) -> TableValue { return r.sample.sequence; }},
-             {"station", "whole", "", "receiver: 1 head, 2 right hand, 3 left hand",
+             {"station", "whole", "",
+              "receiver, from 1; without other stations in the rig 1 head, 2 right hand, 3 left hand",
               [](const Row& r) -> TableValue { return r.sample.station; }},
              {"frame", "text", "", "frame of the pose; T is the transmitter's",
               [](const Row& r) -> TableValue { return r.sample.frame; }}} +
