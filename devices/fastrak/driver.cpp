@@ -27,7 +27,8 @@ FastrakDriver::FastrakDriver(std::unique_ptr<ByteStream> stream, Clocks& clocks,
 }
 
 std::string FastrakDriver::activity() const {
-  if (lost_) return stream_->trouble();
+  if (const std::string trouble = stream_->trouble(); !trouble.empty()) return trouble;
+  if (lost_) return "about to start it again";
   const std::string attempt =
       " (attempt " + std::to_string(attempt_ + 1) + ", " + std::to_string(baud_) + " baud)";
   switch (phase_) {
