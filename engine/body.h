@@ -67,6 +67,7 @@ struct Body {
   Mat3 inertia = Mat3::Identity();  ///< about the centre of mass, along the axes of B [kg m^2]
   Material material = {};
   Kind kind = Kind::free;
+  bool exact = false;  ///< detection of what touches it converges, whatever `Query::mode` says
   std::vector<FrictionArea> areas = {};  ///< of a fixed body; of two that overlap, the first counts
   std::shared_ptr<const FrictionTable> table = {};  ///< of a fixed body; counts before its areas
 };

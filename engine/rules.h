@@ -61,6 +61,14 @@ inline bool bounds_flat_bodies(const Parameters& p) {
   return p.rules >= 6;
 }
 
+// Since rules 7: rooms that are no half-spaces.
+
+/// Detection against an exact body converges also in the paper's mode, whose iterations end far from the
+/// answer between a ball and a lane.
+inline bool keeps_rooms_exact(const Parameters& p) {
+  return p.rules >= 7;
+}
+
 /// The query with what older rules lack switched off.
 inline Query query_under(const Parameters& p) {
   Query query = p.query;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/rules.h"
+
 namespace headpin::engine::detail {
 namespace {
 
@@ -64,8 +66,11 @@ Coefficients coefficients_of(const World& world, const Touches& touches, const T
 
 void contacts_of(World& world, const Candidate& c, std::span<KeptNormal> normals, const Pose& X_WA,
                  const Pose& X_WB, double margin, std::vector<ContactPoint>& out) {
-  find_contacts(*world.bodies[c.a].shape, X_WA, *world.bodies[c.b].shape, X_WB, margin, normals,
-                world.parameters.query, world.statistics.queries, out);
+  const Body &a = world.bodies[c.a], &b = world.bodies[c.b];
+  Query query = world.parameters.query;
+  if ((a.exact || b.exact) && keeps_rooms_exact(world.parameters)) query.mode = Query::converged;
+  find_contacts(*a.shape, X_WA, *b.shape, X_WB, margin, normals, query, world.statistics.queries,
+                out);
 }
 
 std::uint32_t add_candidate(const World& world, std::uint64_t key, BodyId a, BodyId b,

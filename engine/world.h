@@ -49,7 +49,7 @@ struct Parameters {
   double sleep_speed = 0.01;  ///< [m/s]
   double sleep_spin = 0.03;   ///< [rad/s]
   double sleep_after = 0.25;  ///< [s]
-  int rules = 6;              ///< 1 to 5 are those of older trials; what they lack is in rules.h
+  int rules = 7;              ///< 1 to 6 are those of older trials; what they lack is in rules.h
   bool keep_ledger = false;   ///< `World::ledger`; costs about a tenth of a step
 };
 

@@ -1,5 +1,6 @@
 #include "scene/play/ball_path.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -37,27 +38,40 @@ void find_hook(BallWatch& watch, const engine::State& now, double radius) {
   if (!path.hook_end && slip.head<2>().norm() < kRollsAlong * speed) path.hook_end = distance;
 }
 
-/// Whether a ball has touched the lane in the last step: it lies there, or was thrown up again.
-bool has_touched_lane(const engine::State& last, const engine::State& now, double radius) {
-  return is_on_lane(radius, now) || now.v_WB.z() > last.v_WB.z();
+/// A step of a ball that falls.
+struct Fall {
+  double gravity, dt;  // [m/s2], [s]
+  bool was_released;   // in this step: it fell for a part of it
+};
+
+/// Whether a ball has touched the lane in the last step: near the lane, it was held up.
+bool has_touched_lane(const engine::State& last, const engine::State& now, double radius,
+                      const Fall& fall) {
+  constexpr double kNear = 1e-3, kOn = 1e-4;  // [m]
+  constexpr double kHeldUp = 1e-6;            // [m/s]
+  if (fall.was_released && last.X_WB.p.z() - radius <= kOn) return true;
+  const double gained = fall.gravity * fall.dt;
+  const double held_up = now.v_WB.z() - last.v_WB.z() + (fall.was_released ? 0.0 : gained);
+  const double rebound = std::max(0.0, now.v_WB.z()) * fall.dt;
+  return held_up > kHeldUp && now.X_WB.p.z() - radius < kNear + rebound;
 }
 
-/// Distance at which a ball touches the lane, from its fall before: in the last step, or in the next one
-/// if it is only near the lane yet.
-double touched_at(const engine::State& last, const engine::State& now, double radius) {
+/// Distance at which a ball touched the lane in the last step, from its fall before.
+double touched_at(const engine::State& last, double radius, const Fall& fall) {
   const double height = last.X_WB.p.z() - radius, falls = -last.v_WB.z();
-  if (height <= 0.0 || falls <= 0.0) return last.X_WB.p.y();
-  const double way = height / falls * last.v_WB.y(), step = now.X_WB.p.y() - last.X_WB.p.y();
-  return last.X_WB.p.y() + (std::abs(way) < std::abs(2.0 * step) ? way : 2.0 * step);
+  if (height <= 0.0) return last.X_WB.p.y();
+  const double speed = std::sqrt(falls * falls + 2.0 * fall.gravity * height);
+  const double time = speed + falls > 0.0 ? 2.0 * height / (speed + falls) : fall.dt;
+  return last.X_WB.p.y() + std::min(time, fall.dt) * last.v_WB.y();
 }
 
 /// The part of the way before the skittles.
-void find_on_lane(BallWatch& watch, const RoomMeasures& room, double radius,
+void find_on_lane(BallWatch& watch, const RoomMeasures& room, double radius, const Fall& fall,
                   const engine::State& now) {
   BallPath& path = watch.path;
   const Vec3& p = now.X_WB.p;
-  if (!path.loft_end && has_touched_lane(watch.last, now, radius)) {
-    path.loft_end = touched_at(watch.last, now, radius);
+  if (!path.loft_end && has_touched_lane(watch.last, now, radius, fall)) {
+    path.loft_end = touched_at(watch.last, radius, fall);
     watch.landed_deg = degrees_from_y(now.v_WB);
   }
   if (!path.breakpoint && watch.last.v_WB.x() * now.v_WB.x() < 0.0) {
@@ -100,15 +114,16 @@ BallWatch watch_ball(const RoomMeasures& room, const engine::State& release) {
   return watch;
 }
 
-void see(BallWatch& watch, const RoomMeasures& room, double radius, const engine::State& now,
-         bool has_struck) {
+void see(BallWatch& watch, const RoomMeasures& room, double radius, const engine::World& world,
+         const engine::State& now, bool has_struck, bool was_released) {
   if (watch.over) return;
   BallPath& path = watch.path;
   const Vec3& p = now.X_WB.p;
   if (!path.entry && (has_struck || p.y() > room.head_pin)) {
     path.entry = delivered(room, watch.last);
   }
-  if (!path.entry) find_on_lane(watch, room, radius, now);
+  const Fall fall{-world.parameters.gravity_W.z(), engine::step_seconds(world), was_released};
+  if (!path.entry) find_on_lane(watch, room, radius, fall, now);
   if (p.y() > room.deck_end) {
     if (std::abs(p.x()) <= 0.5 * room.lane_width) path.exit_board = board_at(room, p.x());
     watch.over = true;

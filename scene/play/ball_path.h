@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/body.h"
+#include "engine/world.h"
 #include "scene/record/details.h"
 #include "scene/stage/room.h"
 
@@ -33,9 +33,11 @@ BallWatch watch_ball(const RoomMeasures& room, const engine::State& release);
 
 /// Adds the state of the ball after a step.
 ///
-/// @param radius    of the ball [m]
-/// @param has_struck it has touched a skittle
-void see(BallWatch& watch, const RoomMeasures& room, double radius, const engine::State& now,
-         bool has_struck);
+/// @param radius        of the ball [m]
+/// @param world         its state belongs to, for gravity and the time of the step
+/// @param has_struck    it has touched a skittle
+/// @param was_released  in this step, so that it fell for a part of it
+void see(BallWatch& watch, const RoomMeasures& room, double radius, const engine::World& world,
+         const engine::State& now, bool has_struck, bool was_released = false);
 
 }  // namespace headpin::scene

@@ -187,7 +187,9 @@ bool touches_skittle(const Tick& tick, engine::BodyId ball) {
 }
 
 /// Begins to watch the balls that were released in this tick; of two, the second.
-void watch_released(Game& game, const Tick& tick) {
+/// @return whether there was one
+bool watch_released(Game& game, const Tick& tick) {
+  bool found = false;
   const std::size_t before = tick.events.size();
   for (std::size_t i = 0; i < before; ++i) {
     if (tick.events[i].kind != kind::release) continue;
@@ -197,8 +199,10 @@ void watch_released(Game& game, const Tick& tick) {
       const engine::State at = state_at_release(tick.events[i], tick.world.states[ball]);
       game.watched = {ball, watch_ball(tick.stage.room, at), {}, {}};
       if (tick.stage.scenario.ball.rings) game.ringed = {ball, {}};
+      found = true;
     }
   }
+  return found;
 }
 
 /// Notes where the watched ball touched a lane with wear in this step.
@@ -224,15 +228,15 @@ void note_rings(Game& game, const Tick& tick) {
 
 /// Follows the watched ball until it leaves the lane, rests or is taken.
 void follow_ball(Game& game, const Tick& tick) {
-  watch_released(game, tick);
+  const bool was_released = watch_released(game, tick);
   if (!game.watched) return;
   const engine::BodyId ball = game.watched->body;
   const bool free = is_free(tick.world, ball);
   if (free) {
     note_touched(*game.watched, tick);
     note_rings(game, tick);
-    see(game.watched->watch, tick.stage.room, tick.stage.scenario.ball.radius,
-        tick.world.states[ball], touches_skittle(tick, ball));
+    see(game.watched->watch, tick.stage.room, tick.stage.scenario.ball.radius, tick.world,
+        tick.world.states[ball], touches_skittle(tick, ball), was_released);
   }
   if (!free || game.watched->watch.over || engine::is_asleep(tick.world, ball)) {
     end_ball_path(game, tick);

@@ -218,6 +218,7 @@ void release(Player& player, const Tick& tick, Time time, Time now) {
   engine::set_kind(tick.world, body, engine::Kind::free);
   engine::set_state(tick.world, body, state);
   Event& e = note(tick, kind::release, body, speed);
+  e.p_W = *told.p_WB;
   if (at_trigger(hand)) {
     e.time -= now - time;
     set_motion(told, motion);

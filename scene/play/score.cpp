@@ -146,7 +146,7 @@ void Score::add_to_way(const Event& event) {
   }
 }
 
-/// What stands when a ball is counted. A rack of which all are down is set again.
+/// What stands when a ball is counted. A rack of which all are down is set again; by some rules each is.
 void Score::add_to_leave(const Event& event) {
   if (event.kind == kind::game || event.kind == kind::frame) down_.clear();
   const bool removes =
@@ -160,7 +160,7 @@ void Score::add_to_leave(const Event& event) {
     }
   }
   throws.back().leave = fmt::format("{}", fmt::join(standing, "-"));
-  if (standing.empty()) down_.clear();
+  if (standing.empty() || rules_of(games.back().rules).full_rack) down_.clear();
 }
 
 void Score::add(const Event& event) {

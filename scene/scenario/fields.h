@@ -223,8 +223,9 @@ void visit(V& v, Collision& c) {
           "sleeping: bodies at rest are not simulated until something touches them. Skittles begin "
           "asleep; without sleeping they stay awake from their first touch on");
   v.field(
-      "rules", c.rules, Range{1, 6},
-      "rules of the simulation step. 6: today's; 5: as before, with bodies that slide under the response coulomb up to half a step "
+      "rules", c.rules, Range{1, 7},
+      "rules of the simulation step. 7: today's; 6: as before, with the paper's detection also against lanes with gutters, kick-backs and panels, which balls went through; "
+      "5: also with bodies that slide under the response coulomb up to half a step "
       "behind; 4: also with a search for every part of a body over a single face, and upright pins on three points of a floor without gutters; 3: also with crowds that creep and fall, "
       "and friction not quite opposite to the slip; 2: also with errors for bodies that turn far "
       "within a step; 1: those of trials without this key, also with errors for "
@@ -324,7 +325,7 @@ void visit(V& v, Hand& h) {
           "the time for the fit grows while the standard error of the velocity is above this");
   v.field("falls_at_once", h.falls_at_once, kAny,
           "true: a body that is released between two ticks falls from that moment, not from the "
-          "next tick, so that the result depends less on the times of the ticks");
+          "start of its tick, so that the result depends less on the times of the ticks");
   v.section("mesh",
             "mesh that is drawn instead of the open and the gripping hand; its origin is the "
             "middle of the palm, the fingers point ahead",

@@ -48,7 +48,10 @@ bool is_over(const Rules& rules, const Frame& frame, int rack, int balls, bool l
   const int thrown = static_cast<int>(frame.size());
   const int first = sum(
       std::span(frame).first(std::min<std::size_t>(frame.size(), static_cast<std::size_t>(balls))));
-  if (rules.bonuses && last && first >= rack) return thrown == balls + 1;
+  if (rules.bonuses && last && first >= rack) {
+    constexpr int kStrikeAndBonus = 3;
+    return thrown == (frame[0] == rack ? std::max(balls + 1, kStrikeAndBonus) : balls + 1);
+  }
   if (thrown >= balls) return true;
   return !rules.full_rack && !rules.set_again && thrown > 0 && sum(frame) >= rack;
 }

@@ -207,7 +207,8 @@ std::vector<Fixture> room_fixtures(const Scenario& scenario) {
                         {.name = name,
                          .shape = engine::make_compound(std::move(parts)),
                          .material = surface(role == Role::lane ? m.lane : m.wall),
-                         .kind = engine::Kind::fixed},
+                         .kind = engine::Kind::fixed,
+                         .exact = true},
                         X_WB});
   };
   const auto add = [&](const char* name, Role role, const engine::Shape& shape, const Pose& X_WB) {

@@ -389,11 +389,35 @@ class Checker {
                          ball.intermediate),
              {"ball.differential"});
     }
+    check_moments(ball.rg, ball.rg + ball.differential - ball.intermediate,
+                  ball.rg + ball.differential);
     constexpr double kShortest = 1e-3;
     if (ball.pin.norm() < kShortest) refuse("ball.pin", "must be a direction, found none");
     if (ball.mass_bias.cross(ball.pin.normalized()).norm() < kShortest) {
       refuse("ball.mass_bias", "must be another direction than ball.pin, found the same",
              {"ball.pin"});
+    }
+  }
+
+  /// Checks that a solid of the ball's size can have these radii of gyration about its three axes.
+  void check_moments(double low, double middle, double high) const {
+    const double a = low * low, b = middle * middle, c = high * high, r = s_.ball.radius;
+    constexpr double kRounding = 1e-9;
+    if (c > (a + b) * (1.0 + kRounding)) {
+      refuse("ball.differential",
+             fmt::format(
+                 "must leave no moment of inertia above the sum of the two others; found radii of "
+                 "gyration of {:.4g}, {:.4g} and {:.4g}",
+                 low, middle, high),
+             {"ball.rg", "ball.intermediate"});
+    }
+    if (a + b + c > 2.0 * r * r) {
+      refuse("ball.rg",
+             fmt::format(
+                 "must be of matter inside the ball: at most {:.4g} about all axes for a radius of "
+                 "{}; found {:.4g}, {:.4g} and {:.4g}",
+                 std::sqrt(2.0 / 3.0) * r, r, low, middle, high),
+             {"ball.radius", "ball.differential"});
     }
   }
 

@@ -51,7 +51,7 @@ BallWatch way_of(Stage& stage, const engine::State& start) {
     const bool struck = std::ranges::any_of(world.events, [&](const engine::ContactEvent& contact) {
       return stage.roles[contact.a] == Role::skittle || stage.roles[contact.b] == Role::skittle;
     });
-    see(watch, stage.room, stage.scenario.ball.radius, world.states[ball], struck);
+    see(watch, stage.room, stage.scenario.ball.radius, world, world.states[ball], struck);
   }
   return watch;
 }
@@ -114,6 +114,26 @@ TEST(BallPath, HasTheFirstTouchOfABallThatBounces) {
     const BallPath path = way_of(stage, start).path;
     ASSERT_TRUE(path.loft_end) << height;
     EXPECT_NEAR(*path.loft_end, start.X_WB.p.y() + 5.0 * falls, 0.003) << height;
+  }
+}
+
+// From less than a millimetre up, with the lane near from the first step on.
+TEST(BallPath, HasTheFirstTouchOfABallThatIsLetGoJustAboveTheLane) {
+  for (const double height : {0.0002, 0.0005, 0.0009}) {
+    for (const std::int64_t rate : {240, 960}) {
+      Scenario scenario = even_lane();
+      scenario.rates.physics_hz = rate;
+      Stage stage = make_stage(scenario);
+      engine::State start = hooking(stage);
+      start.X_WB.p.z() += height;
+      start.v_WB = Vec3(0.0, 8.0, -0.0146);
+      start.w_WB = Vec3::Zero();
+      const double falls =
+          (std::sqrt(0.0146 * 0.0146 + 2.0 * kGravity * height) - 0.0146) / kGravity;
+      const BallPath path = way_of(stage, start).path;
+      ASSERT_TRUE(path.loft_end) << height;
+      EXPECT_NEAR(*path.loft_end, start.X_WB.p.y() + 8.0 * falls, 0.004) << height << " " << rate;
+    }
   }
 }
 
@@ -198,6 +218,22 @@ TEST(BallPath, OfAThrowHasWhatItTouchedAndWhatItLeft) {
   EXPECT_EQ(skittle_number("skittle 12"), 12);
   for (const char* name : {"ball 3", "skittle", "skittle x", "lane", ""}) {
     EXPECT_EQ(skittle_number(name), std::nullopt) << name;
+  }
+}
+
+TEST(BallPath, OfAThrowAtAFullRackLeavesWhatOfItStands) {
+  Score score;
+  Event game = of(kind::game, {}, 9.0);
+  game.detail = GameKind::ninepins;
+  score.add(game);
+  for (const auto& [felled, leave] : {std::pair{std::vector{1, 2, 3, 4, 5}, "6-7-8-9"},
+                                      {{6, 9}, "1-2-3-4-5-7-8"},
+                                      {{}, "1-2-3-4-5-6-7-8-9"}}) {
+    std::vector<std::string> names;
+    for (const int pin : felled) names.push_back(name_of_skittle(pin));
+    score.add(of(kind::release, {"ball"}, 7.0));
+    score.add(of(kind::delivery, names, static_cast<double>(names.size())));
+    EXPECT_EQ(score.throws.back().leave, leave);
   }
 }
 

@@ -42,7 +42,7 @@ FoundThrow found_throw(const CoachedThrow& wanted, std::uint64_t seed, Scenario 
   while (session.now() < motion.release() + Time{500'000}) {
     advance(session, source);
     const engine::State& ball = session.world.states[session.stage->balls.front()];
-    if (watch) see(*watch, session.stage->room, scenario.ball.radius, ball, false);
+    if (watch) see(*watch, session.stage->room, scenario.ball.radius, session.world, ball, false);
     for (const Event& event : session.events) {
       if (event.kind != kind::release) continue;
       const auto& told = *event.detail.get_if<Released>();

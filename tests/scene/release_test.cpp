@@ -396,6 +396,7 @@ TEST(AThrow, LeavesAtTheTimeOfTheTriggerFromWhereTheHandIs) {
     EXPECT_EQ(motion->known, Known::tracked);
     EXPECT_NEAR(elevation(motion->V_WB.v), elevation(v), 0.5);
     EXPECT_NEAR(played.release.value, v.norm(), 0.06);
+    EXPECT_LT((played.release.p_W - straight.ball(at, grip)).norm(), 0.004);
     EXPECT_GT(elevation(motion->V_WB.v), before);  // ever further up, at every trigger
     before = elevation(motion->V_WB.v);
     const engine::State& ball = played.session.world.states[played.session.stage->balls.front()];

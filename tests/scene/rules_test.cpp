@@ -49,6 +49,12 @@ TEST(Rules, TheLastFrameOfTenPinIsPlayedOut) {
   EXPECT_FALSE(over({4, 6}));
   EXPECT_TRUE(over({4, 6, 10}));
   EXPECT_TRUE(over({4, 5}));
+  const auto over_by_one_ball = [](const Frame& frame) {
+    return is_over(kTenPin, frame, 10, 1, true);
+  };
+  EXPECT_TRUE(over_by_one_ball({9}));
+  EXPECT_FALSE(over_by_one_ball({10, 10}));  // a strike has two bonus balls in any frame
+  EXPECT_TRUE(over_by_one_ball({10, 10, 10}));
   EXPECT_TRUE(is_set_again(kTenPin, {10}, 10));
   EXPECT_FALSE(is_set_again(kTenPin, {10, 3}, 10));
   EXPECT_TRUE(is_set_again(kTenPin, {4, 6}, 10));

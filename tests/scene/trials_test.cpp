@@ -53,6 +53,36 @@ TEST(ATrialOfBefore, ComesToTheHashesOfItsTime) {
             (Hashes{"5b510b5c5a605014", "41d3efc8e187eb85"}));
 }
 
+/// How far the ball of a trial goes into the lane before its end [m].
+double deepest_ball(const std::string& path, std::int64_t rules) {
+  const Recorded recorded = load_trial(path);
+  Scenario scenario = recorded.scenario;
+  scenario.collision.rules = rules;
+  Session session = make_session(scenario);
+  const engine::BodyId ball = session.stage->balls.front();
+  TrialPlayer source(recorded.file);
+  NoPace pace;
+  double deepest = 0.0;
+  const std::int64_t ticks = recorded.ticks();
+  run(session, source, pace, {}, [&](const Session& s) {
+    const Vec3& p = s.world.states[ball].X_WB.p;
+    const bool on_lane =
+        p.y() < s.stage->room.deck_end && std::abs(p.x()) < 0.5 * s.stage->room.lane_width;
+    if (on_lane) deepest = std::max(deepest, scenario.ball.radius - p.z());
+    return s.tick >= ticks;
+  });
+  return deepest;
+}
+
+// Made in November 2026, by the step of rules 6: the paper's detection searched a lane with gutters too, and
+// the ball went through it.
+TEST(ATrialOfRules6, ComesToTheHashesOfItsTimeAndItsBallStaysOnTheLaneUnderRules7) {
+  const std::string path = HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-6.lcmlog";
+  EXPECT_EQ(replayed(path), (Hashes{"d661bce8660e410b", "45069957df1b6641"}));
+  EXPECT_GT(deepest_ball(path, 6), 0.04);
+  EXPECT_LT(deepest_ball(path, 7), 0.0005);
+}
+
 // Made in November 2026, by the step of rules 5: a ball slides and hooks on oil, and ten pins fly, under the
 // response coulomb.
 TEST(ATrialOfRules5, ComesToTheHashesOfItsTimeAndToOthersUnderRules6) {
