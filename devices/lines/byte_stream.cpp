@@ -168,7 +168,8 @@ void prepare_socket(int fd) {
   fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_NONBLOCK);
 }
 
-/// Lets a socket fail some 10 s after its peer's machine or network went away without a word.
+/// Lets a socket ask a silent peer for a sign of life, so that one that went away without a word is
+/// noticed.
 void notice_death(int fd) {
   const auto set = [&](int level, int option, int value) {
     setsockopt(fd, level, option, &value, sizeof value);
@@ -177,13 +178,17 @@ void notice_death(int fd) {
   set(IPPROTO_TCP, TCP_KEEPIDLE, 4);   // s
   set(IPPROTO_TCP, TCP_KEEPINTVL, 2);  // s
   set(IPPROTO_TCP, TCP_KEEPCNT, 3);
-  set(IPPROTO_TCP, TCP_USER_TIMEOUT, 10'000);  // ms
 }
 
-/// Whether the peer of a socket has closed it.
+/// Whether the peer of a socket has closed it, or its machine has given no sign of life for a while.
 bool has_left(int fd) {
+  constexpr std::uint32_t kLong = 10'000;  // ms
   pollfd state{fd, POLLRDHUP, 0};
-  return ::poll(&state, 1, 0) == 1;
+  if (::poll(&state, 1, 0) == 1) return true;
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  return getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) == 0 &&
+         info.tcpi_last_ack_recv > kLong;
 }
 
 /// Connects a socket that does not block; sets errno when that fails.
