@@ -461,8 +461,7 @@ std::optional<FastrakRecord> decode_record(Bytes bytes, const FastrakFormat& for
     }
     at += length;
   }
-  if (at != bytes.size()) return std::nullopt;
-  return record;
+  return at == bytes.size() ? std::optional(record) : std::nullopt;
 }
 
 FastrakFound find_record(Bytes bytes, const FastrakFormats& formats, bool in_step, bool no_more) {

@@ -76,9 +76,10 @@ TEST(BallCore, IsOneThatABallCanHave) {
   EXPECT_THAT(refusal("[ball]\nrg = 0.2"), HasSubstr("lane.toml:2: ball.rg must be less than"));
   EXPECT_THAT(refusal("[ball]\nrg = 0.108"), HasSubstr("at most 0.08859 about all axes"));
   EXPECT_THAT(refusal("[ball]\nrg = 0.06\ndifferential = 0.1"),
-              HasSubstr("no moment of inertia above"));
+              HasSubstr("must be of matter inside the ball"));
   EXPECT_THAT(refusal("[ball]\nrg = 0.05\ndifferential = 0.05\nintermediate = 0.05"),
-              HasSubstr("found radii of gyration of 0.05, 0.05 and 0.1"));
+              HasSubstr("no moment of inertia above the sum of the two others; found radii of "
+                        "gyration of 0.05, 0.05 and 0.1"));
   EXPECT_EQ(refusal("[ball]\nrg = 0.06\nintermediate = 0.001"),
             "lane.toml:3: ball.intermediate must be at most ball.differential, 0; found 0.001");
   EXPECT_THAT(refusal("[ball]\nrg = 0.06\npin = [0, 0, 0]"),
