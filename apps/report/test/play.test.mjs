@@ -207,10 +207,12 @@ test('a key that is down when the page loses the keys does not walk on', async (
   await until(page, () => window.headpin.game.view[10] > 0.05);
   await page.focus('#end');
   await until(page, () => !window.headpin.game.pressed.left);
-  await pictures(page, 10);
-  const stopped = await walked();
-  await pictures(page, 20);
-  assert.equal(await walked(), stopped);
+  let stopped;
+  do {  // one that walks on ends at a wall
+    stopped = await walked();
+    await pictures(page, 20);
+  } while (await walked() !== stopped);
+  assert.ok(stopped < 1.5, `walked ${stopped} m`);
   await context.close();
 });
 
