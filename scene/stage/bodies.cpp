@@ -28,25 +28,26 @@ engine::Part make_part(const SkittlePart& part) {
   return {engine::Ellipsoid{Vec3(part.radius, part.radius, half)}, X_BG};
 }
 
-/// Whether two polyhedra overlap by more than the rounding of planes between them.
-bool overlap(const SkittlePart& a, const SkittlePart& b) {
+/// Whether two parts overlap by more than the rounding of planes between them.
+bool overlap(const engine::Part& a, const engine::Part& b) {
   constexpr double kTouch = 1e-6;  // [m]
   engine::KeptNormal n;
-  const engine::Polyhedron pa(a.corners, a.faces), pb(b.corners, b.faces);
-  return engine::closest_points(pa, pb, {}, n, {}).distance < -kTouch;
+  const Pose X_AB = a.X_BG.inverse() * b.X_BG;
+  return engine::closest_points(a.shape, b.shape, X_AB, n, {}).distance < -kTouch;
 }
 
 /// Whether all parts are convex pieces of one mesh file. Pieces of one shell touch and do not overlap;
 /// shells may.
-engine::Overlaps overlaps_of(const std::vector<SkittlePart>& parts) {
+engine::Overlaps overlaps_of(const std::vector<SkittlePart>& parts,
+                             const engine::Compound& compound) {
   const auto is_piece = [&](const SkittlePart& part) {
     return part.shape == PartShape::polyhedron && !part.mesh.file.empty() &&
            part.mesh.file == parts[0].mesh.file && part.mesh.sha256 == parts[0].mesh.sha256;
   };
   if (!std::all_of(parts.begin(), parts.end(), is_piece)) return engine::Overlaps::maybe;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    for (std::size_t j = i + 1; j < parts.size(); ++j) {
-      if (overlap(parts[i], parts[j])) return engine::Overlaps::maybe;
+  for (std::size_t i = 0; i < compound.parts.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (overlap(compound.parts[i], compound.parts[j])) return engine::Overlaps::maybe;
     }
   }
   return engine::Overlaps::none;
@@ -56,7 +57,7 @@ engine::Overlaps overlaps_of(const std::vector<SkittlePart>& parts) {
 engine::MassProperties skittle_mass(const Scenario& scenario, const engine::Compound& shape) {
   const Skittle& skittle = scenario.skittle;
   const auto of_parts = [&](const engine::Compound& parts) {
-    const engine::Overlaps overlaps = overlaps_of(skittle.parts);
+    const engine::Overlaps overlaps = overlaps_of(skittle.parts, parts);
     const double volume = engine::mass_properties(parts, 1.0, overlaps).mass;
     return engine::mass_properties(parts, skittle.mass / volume, overlaps);
   };

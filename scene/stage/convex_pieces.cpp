@@ -408,7 +408,7 @@ std::vector<engine::Polyhedron> convex_pieces(const Surface& surface, std::size_
     refuse_surface("turned inside out: its faces are clockwise from outside; flip its normals");
   if (!(volume > 1e-9 * size * size * size)) refuse_surface("has no volume");
   std::vector<Surface> bodies = bodies_of(surface, sides, 1e-9 * size * size * size);
-  if (bodies.size() > most) bodies = {surface};
+  if (bodies.empty() || bodies.size() > most) bodies = {surface};
   std::vector<Cutter> cutters;
   std::vector<Piece> pieces;
   for (const Surface& body : bodies) {

@@ -258,6 +258,14 @@ TEST(ConvexPieces, OfAShellInsideOutAreAHoleOrRefused) {
               HasSubstr("a part of it is turned inside out, at 0.21, 0, 0"));
 }
 
+// Each alone is too small to be a body, together they are not.
+TEST(ConvexPieces, OfTwoSpecksFarApartAreMadeOrRefused) {
+  const double speck = 8.9e-4;
+  const Surface two = both(box({0.0, 0.0, 0.0}, {speck, speck, speck}),
+                           box({1.0, 0.0, 0.0}, {1.0 + speck, speck, speck}));
+  EXPECT_EQ(convex_pieces(two, 16).size(), 1u);
+}
+
 TEST(ConvexPieces, OfMoreShellsThanPiecesAreCutAsOfOne) {
   Surface steps = box({0.0, 0.0, 0.0}, {0.01, 0.05, 0.05});
   for (int k = 1; k < 6; ++k)
