@@ -114,7 +114,8 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"entry_angle_deg",
      "direction of a ball when it met its first skittle, to the right of the lane's axis"},
     {"entry_board",
-     "board of a ball just before its first skittle, or where it passed the head pin's spot"},
+     "board of a ball just before its first skittle, or where it passed the head pin's spot if it "
+     "touched none on its way ahead"},
     {"entry_revs_per_min", "revolutions per minute of a ball's spin there"},
     {"entry_s", "time at which the ball met its first skittle"},
     {"environment", "environment variables that Mesa reads: LP_*, GALLIUM_*, MESA_*"},

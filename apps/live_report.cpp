@@ -46,7 +46,7 @@ void print_stages(const scene::LiveState& state) {
 
 nlohmann::json summary(const scene::Session& session, const scene::LiveState& state,
                        const scene::Totals& totals, const LiveOptions& options) {
-  nlohmann::json j = scene::summary(session, totals.score());
+  nlohmann::json j = scene::summary(session, totals.score_at_end(session));
   j["output"] = options.record ? nlohmann::json(*options.record) : nlohmann::json();
   j["duration_s"] = seconds(state.now);
   if (const std::string why = totals.why_nothing_fell(); !why.empty()) j["why_nothing_fell"] = why;

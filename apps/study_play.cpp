@@ -73,7 +73,7 @@ PlayedSession play(const scene::Scenario& scenario, const scene::TrialHeader& he
   scene::NoPace pace;
   scene::run(session, source, pace, observers, until);
   writer.close(session);
-  return {path, seconds(session.now()), totals.score()};
+  return {path, seconds(session.now()), totals.score_at_end(session)};
 }
 
 }  // namespace

@@ -234,7 +234,7 @@ void enter(const ReplayOptions& options, const scene::Recorded& recorded,
 
 nlohmann::json result_of(const ReplayOptions& options, const scene::Recorded& recorded,
                          const scene::Scenario& other, const Run& run) {
-  nlohmann::json result = scene::summary(run.session, run.totals.score());
+  nlohmann::json result = scene::summary(run.session, run.totals.score_at_end(run.session));
   result.update(scene::whose(options.trial, recorded.file.summary(), options.condition.set));
   result["output"] = options.output ? nlohmann::json(*options.output) : nlohmann::json();
   result.update(scene::compared_throws(recorded.file, recorded.scenario, other, run.happened.events,

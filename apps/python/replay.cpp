@@ -166,13 +166,15 @@ std::unique_ptr<Replay> replay(const std::shared_ptr<OpenTrial>& trial,
   done->trial = trial;
   done->condition = condition;
   done->scenario = std::move(scenario);
-  done->result = scene::summary(run.session, totals.score());
+  const scene::Score score = totals.score_at_end(run.session);
+  done->result = scene::summary(run.session, score);
   if (const std::string why = totals.why_nothing_fell(); !why.empty()) {
     done->result["why_nothing_fell"] = why;
   }
   done->header = scene::header_of(trial->summary().header, run.session);
   done->events = std::move(events.all);
-  done->throws = totals.score().throws;
+  if (auto path = scene::last_ball_path(run.session)) done->events.push_back(std::move(*path));
+  done->throws = score.throws;
   return done;
 }
 

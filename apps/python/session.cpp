@@ -146,7 +146,7 @@ py::list events(PySession& s) {
 }
 
 py::object summary(PySession& s) {
-  return to_python(scene::summary(s.get(), s.totals.score()));
+  return to_python(scene::summary(s.get(), s.totals.score_at_end(s.get())));
 }
 
 py::dict score(PySession& s) {

@@ -183,6 +183,7 @@ PageData page_data(const Recorded& recorded, const PageLooks& page_looks,
   NoPace pace;
   Observer* const observers[] = {&comparison, &film, &totals, &happened};
   run(session, source, pace, observers, [&](const Session& s) { return s.tick >= ticks; });
+  if (const auto path = last_ball_path(session)) happened.events.push_back(*path);
 
   PageData data;
   json& out = data.json;
@@ -191,7 +192,7 @@ PageData page_data(const Recorded& recorded, const PageLooks& page_looks,
       unchanged && !hash["first_difference"].is_null() && !trial.events.empty();
   const std::vector<Event>& events = as_recorded ? trial.events : happened.events;
   out["trial"] = of_trial(recorded);
-  const Score said = as_recorded ? score(trial.events) : totals.score();
+  const Score said = as_recorded ? score(trial.events) : totals.score_at_end(session);
   out["summary"] = summary(session, said);
   out["hash"] = hash;
   out["scenario_differences"] = to_json(differences(recorded.scenario, scenario));

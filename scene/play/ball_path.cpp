@@ -115,11 +115,11 @@ BallWatch watch_ball(const RoomMeasures& room, const engine::State& release) {
 }
 
 void see(BallWatch& watch, const RoomMeasures& room, double radius, const engine::World& world,
-         const engine::State& now, bool has_struck, bool was_released) {
+         const engine::State& now, bool strikes, bool was_released) {
   if (watch.over) return;
   BallPath& path = watch.path;
   const Vec3& p = now.X_WB.p;
-  if (!path.entry && (has_struck || p.y() > room.head_pin)) {
+  if (strikes || (!path.entry && p.y() > room.head_pin)) {
     path.entry = delivered(room, watch.last);
   }
   const Fall fall{-world.parameters.gravity_W.z(), engine::step_seconds(world), was_released};

@@ -35,9 +35,9 @@ BallWatch watch_ball(const RoomMeasures& room, const engine::State& release);
 ///
 /// @param radius        of the ball [m]
 /// @param world         its state belongs to, for gravity and the time of the step
-/// @param has_struck    it has touched a skittle
+/// @param strikes       it met a skittle in this step, the first one of its way
 /// @param was_released  in this step, so that it fell for a part of it
 void see(BallWatch& watch, const RoomMeasures& room, double radius, const engine::World& world,
-         const engine::State& now, bool has_struck, bool was_released = false);
+         const engine::State& now, bool strikes, bool was_released = false);
 
 }  // namespace headpin::scene

@@ -9,16 +9,17 @@
 
 namespace headpin::scene {
 
-Event event(const Tick& tick, std::string_view kind, std::initializer_list<engine::BodyId> bodies) {
+namespace {
+
+Event event(const engine::World& world, const Moment& moment, std::string_view kind,
+            std::initializer_list<engine::BodyId> bodies) {
   Event e;
-  e.time = tick.moment.time;
-  e.tick = tick.moment.tick;
+  e.time = moment.time;
+  e.tick = moment.tick;
   e.kind = kind;
-  for (const engine::BodyId body : bodies) e.bodies.push_back(tick.world.bodies[body].name);
+  for (const engine::BodyId body : bodies) e.bodies.push_back(world.bodies[body].name);
   return e;
 }
-
-namespace {
 
 /// Whether the game distinguishes the causes of a skittle's fall.
 bool tells_apart(const Stage& stage) {
@@ -186,6 +187,16 @@ bool touches_skittle(const Tick& tick, engine::BodyId ball) {
   });
 }
 
+/// Whether a ball met its first skittle in this step; it may have passed the head pin's spot before.
+bool strikes_first(const Game& game, const Tick& tick) {
+  const WatchedBall& watched = *game.watched;
+  if (!watched.watch.path.entry) return touches_skittle(tick, watched.body);
+  const std::string& name = tick.world.bodies[watched.body].name;
+  return std::ranges::any_of(tick.events, [&](const Event& e) {
+    return e.kind == kind::first_contact && (e.bodies[0] == name || e.bodies[1] == name);
+  });
+}
+
 /// Begins to watch the balls that were released in this tick; of two, the second.
 /// @return whether there was one
 bool watch_released(Game& game, const Tick& tick) {
@@ -236,7 +247,7 @@ void follow_ball(Game& game, const Tick& tick) {
     note_touched(*game.watched, tick);
     note_rings(game, tick);
     see(game.watched->watch, tick.stage.room, tick.stage.scenario.ball.radius, tick.world,
-        tick.world.states[ball], touches_skittle(tick, ball), was_released);
+        tick.world.states[ball], strikes_first(game, tick), was_released);
   }
   if (!free || game.watched->watch.over || engine::is_asleep(tick.world, ball)) {
     end_ball_path(game, tick);
@@ -244,6 +255,10 @@ void follow_ball(Game& game, const Tick& tick) {
 }
 
 }  // namespace
+
+Event event(const Tick& tick, std::string_view kind, std::initializer_list<engine::BodyId> bodies) {
+  return event(tick.world, tick.moment, kind, bodies);
+}
 
 Game make_game(const Stage& stage) {
   Game game;
@@ -264,15 +279,23 @@ void note_velocities(Game& game, const engine::World& world) {
   for (const engine::State& state : world.states) game.velocities.push_back(state.v_WB);
 }
 
+std::optional<Event> ball_path_so_far(const Game& game, const engine::World& world,
+                                      const Moment& moment) {
+  if (!game.watched) return std::nullopt;
+  BallPath path = game.watched->watch.path;
+  if (game.watched->rings.flare) path.flare_mm = 1e3 * *game.watched->rings.flare;
+  Event e = event(world, moment, kind::ball_path, {game.watched->body});
+  e.p_W = game.watched->watch.last.X_WB.p;
+  e.detail = path;
+  return e;
+}
+
 void end_ball_path(Game& game, const Tick& tick) {
-  if (!game.watched) return;
-  WatchedBall watched = *std::exchange(game.watched, std::nullopt);
-  if (watched.rings.flare) watched.watch.path.flare_mm = 1e3 * *watched.rings.flare;
-  wear_lane(tick.world, tick.stage, watched.touched);
-  Event e = event(tick, kind::ball_path, {watched.body});
-  e.p_W = watched.watch.last.X_WB.p;
-  e.detail = watched.watch.path;
-  tick.events.push_back(std::move(e));
+  std::optional<Event> path = ball_path_so_far(game, tick.world, tick.moment);
+  if (!path) return;
+  wear_lane(tick.world, tick.stage, game.watched->touched);
+  game.watched.reset();
+  tick.events.push_back(std::move(*path));
 }
 
 void note_step(Game& game, const Tick& tick) {

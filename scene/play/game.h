@@ -54,6 +54,11 @@ struct Game {
 
 Game make_game(const Stage& stage);
 
+/// The way of the ball that is watched, as far as it has come: the event of a trial that ends before
+/// it. Nothing if no ball is on its way.
+std::optional<Event> ball_path_so_far(const Game& game, const engine::World& world,
+                                      const Moment& moment);
+
 /// Reports the way of the ball that is watched, wears the lane, and watches the ball no longer.
 void end_ball_path(Game& game, const Tick& tick);
 

@@ -46,7 +46,10 @@ std::optional<std::size_t> button_at_hand(const Session& s, Time now) {
 /// @return  the world after that
 engine::World count_ahead(const Session& s, const Moment& moment, std::vector<Event>& out) {
   engine::World world = s.world;
-  if (s.scenario().game.ends != BallEnds::rest || !s.game.thrown) return world;
+  if (s.scenario().game.ends != BallEnds::rest || !s.game.thrown) {
+    if (auto path = ball_path_so_far(s.game, world, moment)) out.push_back(std::move(*path));
+    return world;
+  }
   Game game = s.game;
   if (s.stage->hand) {
     engine::set_state(world, *s.stage->hand, {kAway, Vec3::Zero(), Vec3::Zero()});
@@ -168,6 +171,10 @@ void advance(Session& s, devices::Source& source) {
   if (!s.hashes) return;
   s.state_hash = engine::state_hash(s.world);
   s.game_hash.add(s.state_hash, s.version);
+}
+
+std::optional<Event> last_ball_path(const Session& s) {
+  return ball_path_so_far(s.game, s.world, {s.now(), s.tick});
 }
 
 void tick_state(const Session& s, TickState& out) {

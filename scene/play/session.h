@@ -67,6 +67,10 @@ void set_response(Session& session, const engine::Response& response);
 /// @throws std::runtime_error  naming tick and body when the state becomes non-finite
 void advance(Session& session, devices::Source& source);
 
+/// The event that only the end of a trial brings, if it ended now: the way of a ball that is still on
+/// it.
+std::optional<Event> last_ball_path(const Session& session);
+
 /// The world after the last tick, for the log.
 void tick_state(const Session& session, TickState& out);
 

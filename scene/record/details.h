@@ -98,7 +98,8 @@ struct BallPath {
   /// Distance at which its lowest point slips by less than a fiftieth of its speed: from here it rolls.
   std::optional<double> hook_end;
   std::optional<LanePlace> breakpoint;  ///< where its velocity turns to the other side of the lane
-  std::optional<Delivered> entry;    ///< before its first skittle, or where it passes the head pin
+  /// Before its first skittle, or, if it touches none on its way ahead, where it passes the head pin.
+  std::optional<Delivered> entry;
   std::optional<double> exit_board;  ///< where it leaves the lane behind the skittles
   std::optional<double> gutter;      ///< distance at which it leaves the lane sideways
   /// Track flare: largest distance on the ball between its first ring of oil and a later one.

@@ -70,7 +70,8 @@ std::vector<TableField<ThrowRow>> lane_fields() {
       {"breakpoint_m", "number", "m", "distance of this place",
        of_breakpoint<&LanePlace::distance>},
       {"entry_board", "number", "",
-       "board of its centre just before its first skittle, or where it passed the head pin's spot",
+       "board of its centre just before its first skittle, or where it passed the head pin's spot if "
+       "it touched none on its way ahead",
        of_entry<&Delivered::board>},
       {"entry_revs_per_min", "number", "1/min", "revolutions per minute of its spin there",
        of_entry<&Delivered::revs_per_min>},

@@ -58,6 +58,12 @@ void Totals::add(const Event& event) {
   if (!fell_ && kept && explains(event)) before_.push_back(event);
 }
 
+Score Totals::score_at_end(const Session& session) const {
+  Score score = score_;
+  if (const auto path = last_ball_path(session)) score.add(*path);
+  return score;
+}
+
 std::string Totals::why_nothing_fell() const {
   return fell_ ? "" : scene::why_nothing_fell(before_);
 }

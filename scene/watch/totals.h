@@ -19,6 +19,8 @@ class Totals : public Observer {
   void add(const Event& event);
 
   const Score& score() const { return score_; }
+  /// With the way of a ball that is on it at the session's end.
+  Score score_at_end(const Session& session) const;
   /// See scene/play/outcome.h; by what has happened until now.
   std::string why_nothing_fell() const;
 

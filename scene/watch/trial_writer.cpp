@@ -30,6 +30,7 @@ void TrialWriter::tick(const Session& session) {
 }
 
 void TrialWriter::close(const Session& session) {
+  if (const auto path = last_ball_path(session)) sink_->write(*path);
   Event last;
   last.time = session.now();
   last.tick = session.tick;

@@ -25,7 +25,7 @@ class TrialWriter : public Observer {
   void write(const Event& event) { sink_->write(event); }
   /// @throws std::runtime_error  when the file was changed or removed by others
   void require_kept() const { sink_->require_kept(); }
-  /// Writes the energy ledger and the game hash and gives the file its final name.
+  /// Writes the way of a ball that is still on it, the energy ledger and the game hash, and gives the file its final name.
   void close(const Session& session);
 
  private:

@@ -1,7 +1,12 @@
 // Virtual participants as a user meets them: synthesized, replayed, compared.
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
+#include "scene/play/score.h"
+#include "scene/record/events.h"
+#include "scene/record/file.h"
 #include "tests/apps/command_line.h"
 
 namespace headpin {
@@ -68,6 +73,43 @@ TEST_F(ParticipantCommands, OptionsActOnEveryVersionAndSetOnTheOneItNames) {
   const std::string words = headpin("replay s.lcmlog --friction 0").out;
   EXPECT_THAT(words, testing::HasSubstr("red version       elasticity 0.7 each, friction 0 each"));
   EXPECT_THAT(words, testing::HasSubstr("blue version      elasticity 0.7 each, friction 0 each"));
+}
+
+// The ball is still among the skittles when the default duration ends.
+TEST_F(ParticipantCommands, ATrialThatEndsBeforeItsBallsWayTellsTheWaySoFar) {
+  ASSERT_EQ(headpin("synthesize --seed 1 --speed 4 -o short.lcmlog").code, 0);
+  ASSERT_EQ(headpin("synthesize --seed 1 --speed 4 --duration 9 -o long.lcmlog").code, 0);
+  const nlohmann::json part = json("replay short.lcmlog -o short-run.lcmlog --json")["throws"][0];
+  const nlohmann::json whole = json("replay long.lcmlog -o long-run.lcmlog --json")["throws"][0];
+  for (const char* key : {"board", "launch_angle_deg", "level_speed_mps", "revs_per_min",
+                          "loft_end_m", "entry_board", "entry_revs_per_min"}) {
+    EXPECT_TRUE(part[key].is_number()) << key;
+    EXPECT_EQ(part[key], whole[key]) << key;
+  }
+  EXPECT_EQ(json("info short-run.lcmlog --json")["result"]["throws"][0], part);
+  EXPECT_EQ(headpin("replay short-run.lcmlog --verify").code, 0);
+  for (const char* trial : {"short-run.lcmlog", "long-run.lcmlog"}) {
+    const auto events = scene::TrialFile(folder_ / trial).summary().events;
+    EXPECT_EQ(std::ranges::count(events, scene::kind::ball_path, &scene::Event::kind), 1) << trial;
+  }
+}
+
+// A spare's ball may pass the head pin's spot before it meets one.
+TEST_F(ParticipantCommands, ABallsEntryIsAtItsFirstSkittleWhereverThatStands) {
+  ASSERT_EQ(headpin("synthesize --scenario regulation-ten-pin --participant 7 --throws 6 "
+                    "-o s.lcmlog")
+                .code,
+            0);
+  ASSERT_EQ(headpin("replay s.lcmlog -o run.lcmlog").code, 0);
+  const scene::TrialFile run(folder_ / "run.lcmlog");
+  int met = 0;
+  for (const scene::ThrowRow& row : scene::score(run.summary().events).throws) {
+    if (!row.path || !row.entry) continue;
+    ++met;
+    ASSERT_TRUE(row.path->entry);
+    EXPECT_EQ(row.path->entry->angle_deg, *row.entry_angle_deg) << row.frame << " " << row.ball;
+  }
+  EXPECT_GT(met, 6);
 }
 
 TEST_F(ParticipantCommands, ALeftHandedOnesHandIsTheLeftHand) {

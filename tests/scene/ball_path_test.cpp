@@ -48,10 +48,12 @@ BallWatch way_of(Stage& stage, const engine::State& start) {
   BallWatch watch = watch_ball(stage.room, start);
   while (!watch.over && world.tick < 5 * world.parameters.rate_hz) {
     engine::step(world);
-    const bool struck = std::ranges::any_of(world.events, [&](const engine::ContactEvent& contact) {
-      return stage.roles[contact.a] == Role::skittle || stage.roles[contact.b] == Role::skittle;
-    });
-    see(watch, stage.room, stage.scenario.ball.radius, world, world.states[ball], struck);
+    const bool strikes =
+        !watch.path.entry &&
+        std::ranges::any_of(world.events, [&](const engine::ContactEvent& contact) {
+          return stage.roles[contact.a] == Role::skittle || stage.roles[contact.b] == Role::skittle;
+        });
+    see(watch, stage.room, stage.scenario.ball.radius, world, world.states[ball], strikes);
   }
   return watch;
 }
@@ -167,6 +169,24 @@ TEST(BallPath, EndsInTheGutterOrBehindTheSkittles) {
   ASSERT_TRUE(straight.path.exit_board);
   EXPECT_NEAR(*straight.path.exit_board, 20.0, 8.0);
   EXPECT_FALSE(straight.path.breakpoint || straight.path.gutter);
+}
+
+// It passes the head pin's spot, and then meets one of the last row.
+TEST(BallPath, EntersWhereItMeetsItsFirstSkittle) {
+  Stage stage = make_stage(even_lane());
+  engine::State now = hooking(stage);
+  BallWatch watch = watch_ball(stage.room, now);
+  const auto goes_on = [&](double by, double board, bool strikes) {
+    now.X_WB.p.x() = (20.0 - board) * stage.room.lane_width / 39.0;
+    now.X_WB.p.y() = stage.room.head_pin + by;
+    see(watch, stage.room, stage.scenario.ball.radius, stage.world, now, strikes);
+    return watch.path.entry ? watch.path.entry->board : 0.0;
+  };
+  EXPECT_EQ(goes_on(-0.1, 30.0, false), 0.0);
+  EXPECT_NEAR(goes_on(0.1, 31.0, false), 30.0, 1e-9) << "it may meet none";
+  EXPECT_NEAR(goes_on(0.3, 32.0, false), 30.0, 1e-9);
+  EXPECT_NEAR(goes_on(0.5, 33.0, true), 32.0, 1e-9);
+  EXPECT_NEAR(goes_on(0.6, 34.0, false), 32.0, 1e-9);
 }
 
 TEST(BallPath, IsWrittenAndReadAgain) {

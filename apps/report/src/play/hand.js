@@ -242,10 +242,11 @@ export class HandByPointer {
     this.tellButtons(time);
   }
 
-  /** Keys that are let go elsewhere are not heard of. */
+  /** Keys that are let go elsewhere are not heard of: here they count as let go now. */
   letKeysGo() {
-    this.keys.clear();
     const now = this.game.now();
+    if (this.keys.has(' ')) this.throwKey(false, now);
+    this.keys.clear();
     if (this.finger === null && this.touched) this.leave(now);
     this.tellButtons(now);
   }
@@ -280,17 +281,20 @@ export class HandByPointer {
     }
   }
 
-  /** Samples of a hand that keys move, up to a time. */
+  /** Samples of a hand that keys move, up to a time. It speeds up evenly until it lets go, with the last of them. */
   keysTo(now) {
     const keys = this.swing.byKeys;
-    while (keys.sent + kStep <= now) {
-      keys.sent += kStep;
-      // It speeds up evenly until it lets go.
-      const takes = (1e6 * 2 * kWay) / keys.speed;
-      const s = keys.go ? (keys.sent - keys.go) / takes : 0;
+    const takes = (1e6 * 2 * kWay) / keys.speed;
+    const end = keys.go === undefined ? Infinity : Math.round(keys.go + takes);
+    for (;;) {
+      // None comes shortly before the last one: two that are close have no speed.
+      const next = keys.sent + 1.5 * kStep < end ? keys.sent + kStep : end;
+      if (next > now) return;
+      keys.sent = next;
+      const s = end === Infinity ? 0 : (next - keys.go) / takes;
       const forward = s > 0 ? kWay * Math.min(s, 1) ** 2 : 0;
-      this.sendHand(this.swinging(0, forward / kForward, keys.sent), keys.sent);
-      if (s >= 1) return this.letGo(keys.sent);
+      this.sendHand(this.swinging(0, forward / kForward, next), next);
+      if (next === end) return this.letGo(end);
     }
   }
 
@@ -327,7 +331,7 @@ export class HandByPointer {
     this.framed = now;
     this.game.tracker(1, this.head(), now);
     if (this.swing?.byKeys) this.keysTo(now);
-    else if (!this.pointer) this.sendHand(this.place, now);
+    else if (!this.pointer && now >= this.silentUntil) this.sendHand(this.place, now);
     else if (now - this.pointed > kQuiet) this.stay(now - kQuiet);
   }
 }

@@ -24,6 +24,12 @@ function scoreInWords({ skittles_down: down, sheets }) {
   return sheets.length > 0 ? sheets[sheets.length - 1] : `Skittles down: ${down}`;
 }
 
+/** What the whole game came to, of each version. */
+function endInWords({ skittles_down: down, sheets, over }) {
+  const begun = over || sheets.length === 0 ? 'The game is over.' : 'The game was ended before its last frame.';
+  return `${begun} ${sheets.length > 0 ? sheets.join('; ') : `Skittles down: ${down}`}.`;
+}
+
 const megabytes = (bytes) => `${(bytes / 1e6).toFixed(1)} MB`;
 
 class Page {
@@ -224,7 +230,7 @@ class Page {
     this.xr = null;
     const result = game.finish();
     await this.keepLast(result);
-    find('hint').textContent = `The game is over. ${scoreInWords(game.score)}.`;
+    find('hint').textContent = endInWords(game.score);
     find('score').textContent = '';
     find('save-last').focus();
     await this.endVisit();
