@@ -184,6 +184,36 @@ test('by keys alone: a throw, the end, and the file', async () => {
   await context.close();
 });
 
+test('a throw by the space bar has the speed of its swing, however long it was held', async () => {
+  headpin('play', '--set', 'game.rules=plain', '--set', 'game.frames=100', '--set', 'game.ball_back_s=2', '-o', 'frames.html');
+  const { page, context } = await open({}, 'frames.html');
+  await startGame(page);
+  for (const held_ms of [60, 330, 590, 810, 1100]) {
+    await until(page, () => window.headpin.hand.balls().length > 0);
+    await page.keyboard.down(' ');
+    await held(page);
+    await page.waitForTimeout(held_ms);  // of what is tested any would do
+    await page.keyboard.up(' ');
+    await until(page, () => window.headpin.game.view[4] === 0);
+  }
+  await endAndSave(page, 'held.lcmlog');
+  const { throws } = verified('held.lcmlog');
+  headpin('export', 'held.lcmlog', '-o', 'held');
+  const rows = readFileSync(join(folder, 'held', 'buttons.csv'), 'utf8').trim().split('\n').slice(1).map((line) => line.split(','));
+  const pressed = ([, , , , trigger]) => trigger === '1';
+  const presses = rows.filter((row, i) => pressed(row) !== (i > 0 && pressed(rows[i - 1]))).map(([time]) => Number(time));
+  assert.equal(presses.length, 2 * throws.length);
+  throws.forEach(({ release_speed_mps: speed, samples_left_out: out, extrapolated_s: after }, i) => {
+    // Held for h s, it has v = 4 + 4 h m/s, 8 at most, after 2 * 0.85 m / v.
+    const took = presses[2 * i + 1] - presses[2 * i], b = 4 + 4 * took;
+    const v = Math.min(8, (b + Math.sqrt(b * b - 16 * 1.7)) / 2);
+    assert.ok(Math.abs(speed / v - 1) < 0.04, `${speed} m/s for ${v} after ${took} s`);
+    assert.equal(out, 0);
+    assert.ok(after === null || after < 0.001, `extrapolated by ${after} s`);
+  });
+  await context.close();
+});
+
 test('a ball that is out of reach is not taken by a key', async () => {
   const { page, context } = await open();
   await startGame(page);
@@ -213,6 +243,16 @@ test('a key that is down when the page loses the keys does not walk on', async (
     await pictures(page, 20);
   } while (await walked() !== stopped);
   assert.ok(stopped < 1.5, `walked ${stopped} m`);
+  await context.close();
+});
+
+test('a space bar that is down when the page loses the keys throws', async () => {
+  const { page, context } = await open();
+  await startGame(page);
+  await page.keyboard.down(' ');
+  await held(page);
+  await page.focus('#end');
+  await felled(page);
   await context.close();
 });
 
@@ -266,7 +306,10 @@ test('a version by keys alone: it counts, and the ball comes back', async () => 
   // On its way the hand has touched no other button.
   assert.equal(await page.evaluate(() => window.headpin.game.score.sheets.length), 1);
   await until(page, () => /^Press on the ball/.test(document.getElementById('hint').textContent));
+  await page.keyboard.press('r', { delay: 100 });
+  await until(page, () => window.headpin.game.score.sheets.length === 2);
   const { game } = await endAndSave(page, 'version.lcmlog');
+  assert.match(await hint(page), /^The game was ended before its last frame\. blue .* \(not over\); red .*no ball = 0 \(not over\)\.$/);
   const replayed = verified('version.lcmlog');
   assert.equal(replayed.game_hash, game);
   assert.equal(replayed.throws[0].foul, false);
