@@ -109,7 +109,7 @@ TEST_F(ParticipantCommands, ABallsEntryIsAtItsFirstSkittleWhereverThatStands) {
     ASSERT_TRUE(row.path->entry);
     EXPECT_EQ(row.path->entry->angle_deg, *row.entry_angle_deg) << row.frame << " " << row.ball;
   }
-  EXPECT_GT(met, 6);
+  EXPECT_EQ(met, 6);
 }
 
 TEST_F(ParticipantCommands, ALeftHandedOnesHandIsTheLeftHand) {
