@@ -189,12 +189,12 @@ test('a throw by the space bar has the speed of its swing, however long it was h
   const { page, context } = await open({}, 'frames.html');
   await startGame(page);
   for (const held_ms of [60, 330, 590, 810, 1100]) {
-    await until(page, () => window.headpin.hand.balls().length > 0);
+    await until(page, () => /^Press on the ball/.test(document.getElementById('hint').textContent));
     await page.keyboard.down(' ');
     await held(page);
     await page.waitForTimeout(held_ms);  // of what is tested any would do
     await page.keyboard.up(' ');
-    await until(page, () => window.headpin.game.view[4] === 0);
+    await until(page, () => /^Wait/.test(document.getElementById('hint').textContent));
   }
   await endAndSave(page, 'held.lcmlog');
   const { throws } = verified('held.lcmlog');
