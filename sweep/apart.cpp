@@ -97,11 +97,10 @@ double height_of_impact(double z0, double v0, double z1, double v1, double dt) {
   return std::min({z0 + v0 * std::clamp(t, 0.0, dt), z0, z1});
 }
 
-std::optional<std::int64_t> frame_of(const scene::Session& session) {
-  const scene::Rates& rates = session.scenario().rates;
-  const auto frame_at = [&](std::int64_t tick) { return tick * rates.frame_hz / rates.physics_hz; };
-  if (frame_at(session.tick) == frame_at(session.tick - 1)) return std::nullopt;
-  return frame_at(session.tick);
+std::optional<std::int64_t> frame_of(std::int64_t tick, const scene::Rates& rates) {
+  const auto frame_at = [&](std::int64_t t) { return t * rates.frame_hz / rates.physics_hz; };
+  if (frame_at(tick) == frame_at(tick - 1)) return std::nullopt;
+  return frame_at(tick);
 }
 
 std::optional<double> arcmin_in_view(const scene::Session& session,
@@ -274,7 +273,7 @@ void Apart::tick(const scene::Session& a, const scene::Session& b) {
   note_events(b, true);
   note_bounces(a, false);
   note_bounces(b, true);
-  if (!frame_of(a)) return;
+  if (!frame_of(a.tick, a.scenario().rates)) return;
   const std::optional<Pose> head = scene::head_pose(a), other = scene::head_pose(b);
   if (!head && !other) return;
   if (!head || !other || head->p != other->p || !(head->q.coeffs() == other->q.coeffs())) {

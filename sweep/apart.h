@@ -27,8 +27,8 @@ double arcmin_between(const Vec3& p_WE, const Vec3& a_W, const Vec3& b_W);
 /// The larger angle of the two points of a place.
 double arcmin_between(const Vec3& p_WE, const Place& a, const Place& b);
 
-/// The frame of the display that a tick is the first one of; nothing for other ticks.
-std::optional<std::int64_t> frame_of(const scene::Session& session);
+/// The frame of a display of these rates that a tick is the first one of; nothing for other ticks.
+std::optional<std::int64_t> frame_of(std::int64_t tick, const scene::Rates& rates);
 
 /// Places at each frame of the display.
 using Frames = std::vector<std::vector<Place>>;

@@ -38,10 +38,19 @@ const std::vector<ResultColumn>& result_columns() {
 void Result::tick(const scene::Session& session) {
   for (const scene::Event& event : session.events) score_.add(event);
   if (session.world.statistics.awake > 0) last_awake_ = session.tick;
-  const std::optional<std::int64_t> frame = frame_of(session);
-  if (!frame || !recorded_ || *frame >= std::ssize(*recorded_)) return;
-  const auto apart = arcmin_in_view(session, (*recorded_)[static_cast<std::size_t>(*frame)]);
+  const std::vector<Place>* recorded = recorded_now(session);
+  const auto apart = recorded ? arcmin_in_view(session, *recorded) : std::nullopt;
   if (apart) apart_arcmin_ = std::max(apart_arcmin_.value_or(0.0), *apart);
+}
+
+const std::vector<Place>* Result::recorded_now(const scene::Session& session) const {
+  const std::int64_t there = session.tick * rates_.physics_hz;
+  const std::int64_t rate = session.scenario().rates.physics_hz;
+  if (!recorded_ || there % rate != 0)
+    return nullptr;  // between two ticks of the recorded condition
+  const std::optional<std::int64_t> frame = frame_of(there / rate, rates_);
+  if (!frame || *frame >= std::ssize(*recorded_)) return nullptr;
+  return &(*recorded_)[static_cast<std::size_t>(*frame)];
 }
 
 std::vector<std::string> Result::cells(const scene::Session& session) const {

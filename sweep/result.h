@@ -24,7 +24,8 @@ const std::vector<ResultColumn>& result_columns();
 class Result : public scene::Observer {
  public:
   /// @param recorded  places under the trial's own condition, which must outlive this; null: unknown
-  explicit Result(const Frames* recorded) : recorded_(recorded) {}
+  /// @param rates     of that condition
+  Result(const Frames* recorded, const scene::Rates& rates) : recorded_(recorded), rates_(rates) {}
 
   void tick(const scene::Session& session) override;
 
@@ -32,7 +33,11 @@ class Result : public scene::Observer {
   std::vector<std::string> cells(const scene::Session& session) const;
 
  private:
+  /// The recorded places at the time of this tick, if they are known.
+  const std::vector<Place>* recorded_now(const scene::Session& session) const;
+
   const Frames* recorded_;
+  scene::Rates rates_;
   std::optional<double> apart_arcmin_;
   scene::Score score_;
   std::int64_t last_awake_ = 0;  ///< tick

@@ -33,7 +33,7 @@ Frames frames_of(const Trial& trial) {
   Frames frames(1, places_of(session));
   while (session.tick < ticks) {
     scene::advance(session, source);
-    const std::optional<std::int64_t> frame = frame_of(session);
+    const std::optional<std::int64_t> frame = frame_of(session.tick, trial.scenario.rates);
     if (frame) frames.resize(static_cast<std::size_t>(*frame) + 1, places_of(session));
   }
   return frames;
@@ -98,7 +98,7 @@ std::vector<std::string> Replayer::run(std::size_t number, const std::vector<std
     };
     const auto begin = [&] {
       Run run{scene::make_session(stage_of(number, values)), devices::ReplaySource(trial.samples),
-              Result(&own_condition(trial))};
+              Result(&own_condition(trial), trial.scenario.rates)};
       run.session.hashes = false;
       return run;
     };

@@ -189,7 +189,9 @@ void Situations::tick(const scene::Session& session) {
   const std::optional<Time> opened = hand_opened(session);
   for (const scene::Event& event : session.events) {
     score_.add(event);
-    if (scene::is_release_of_ball(event) && opened && !recent_.empty()) begin(*opened);
+    if (!scene::is_release_of_ball(event) || !opened) continue;
+    if (recent_.empty() && before_) recent_.push_back(*before_);  // taken in this tick
+    if (!recent_.empty()) begin(*opened);
   }
   if (!session.events.empty()) {
     for (std::size_t i = 0; i < all_.size(); ++i) all_[i].thrown = score_.throws[number_[i]];
@@ -198,7 +200,11 @@ void Situations::tick(const scene::Session& session) {
     if (session.now() > situation.trigger + shift_ + longest(session)) continue;
     situation.samples.push_back(session.samples);
   }
-  if (!session.player.held) return recent_.clear();
+  if (!session.player.held) {
+    recent_.clear();
+    before_ = session;
+    return;
+  }
   recent_.push_back(session);
   while (recent_.size() > 1 && recent_[1].now() <= session.now() - shift_) recent_.pop_front();
 }

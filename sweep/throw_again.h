@@ -73,6 +73,7 @@ class Situations : public scene::Observer {
 
   Time shift_;
   std::deque<scene::Session> recent_;          ///< one per tick, while a ball is held
+  std::optional<scene::Session> before_;       ///< of the tick before, while none is
   scene::Score score_;                         ///< of the session so far
   std::vector<std::size_t> number_;            ///< of each situation: its throw in the score
   std::vector<devices::MouseSample> buttons_;  ///< that the player has not used yet

@@ -66,7 +66,7 @@ const std::vector<WhatIfColumn>& release_columns() {
 std::string moments_csv(const WhatIf& whatif) {
   std::string text = first_line({"later_ms"});
   for (std::size_t i = 0; i < whatif.moments.size(); ++i) {
-    Cells cells = {number(1e3 * seconds(whatif.moments[i].shift))};
+    Cells cells = {number(static_cast<double>(whatif.moments[i].shift.count()) / 1e3)};
     add_outcome(whatif.of_moments[i], cells);
     text += study::csv_line(cells);
   }

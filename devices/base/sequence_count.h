@@ -15,6 +15,9 @@ class SequenceCount {
   /// @return  increase of the number of missing samples; -1 if this one was counted as missing
   std::int64_t take(std::int64_t number, Time measured);
 
+  /// Whether a number is later than all before.
+  bool advances(std::int64_t number) const { return last_ && number > *last_; }
+
   /// Another sender continues with its own numbers.
   void begin_anew() { last_.reset(); }
 

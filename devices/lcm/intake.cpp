@@ -12,6 +12,7 @@ namespace headpin::devices {
 namespace {
 
 constexpr Time kGone{1'000'000};       // a publisher that is silent for this long is gone
+constexpr Time kSetBack{50'000};       // a later number with a time that is earlier by more
 constexpr double kAnother_us = 500e3;  // later by more: the clock of another publisher
 
 }  // namespace
@@ -141,6 +142,12 @@ void LcmIntake::stamp(TrackerSample& sample) {
   Publisher& publisher = publisher_of(device_at(sample.station));
   const Time told = sample.told();
   const bool unstamped = is_unstamped(publisher, told);
+  const bool set_back =
+      told < publisher.theirs - kSetBack && publisher.numbers.advances(sample.sequence);
+  if (set_back && clocks_.started(publisher.clock)) {
+    clocks_.restart(publisher.clock);
+    ++counts_.clock_jumps;
+  }
   publisher.numbers.take(sample.sequence, unstamped ? arrived_ : told);
   if (unstamped) {
     date_by_arrival(publisher);

@@ -1,5 +1,6 @@
 #include "devices/lcm/log_source.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "devices/log/sample_messages.h"
@@ -35,7 +36,8 @@ bool LogSource::play_next(Time now) {
   const double ahead = seconds(now - *start_) * speed_ - seconds(at);
   if (speed_ > 0.0 && ahead < 0.0) return false;
   played_ = at;
-  last_ = next_->time;
+  // Messages may be out of order by a little; one that is far back begins another recording.
+  last_ = next_->time < last_ - kLongestGap ? next_->time : std::max(last_, next_->time);
   if (next_->channel == kTrackerChannel || next_->channel == kMouseChannel) {
     intake_.take({.channel = next_->channel, .data = next_->data, .arrived = now});
   }

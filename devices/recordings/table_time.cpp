@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -69,12 +70,18 @@ std::optional<double> after_clock(std::string_view text, int hour) {
   return east ? -ahead : ahead;
 }
 
+constexpr double kDay_s = 86400.0;
+
+bool begins_with_date(std::string_view text) {
+  return text.size() > 10 && text[4] == '-';
+}
+
 /// "2026-11-25T13:57:27.123+01:00", or "13:57:27.123" alone: seconds since 1970, or since midnight. If
 /// the text has an offset, in UTC.
 std::optional<double> date_seconds(std::string_view text) {
   double days = 0.0;
   std::string_view clock = text;
-  if (text.size() > 10 && text[4] == '-') {
+  if (begins_with_date(text)) {
     const auto year = take_digits(text, 4);
     const bool first = take(text, "-");
     const auto month = take_digits(text, 2);
@@ -104,7 +111,7 @@ std::optional<double> date_seconds(std::string_view text) {
   }
   const std::optional<double> rest = after_clock(clock, *hour);
   if (!rest) return std::nullopt;
-  return 86400.0 * days + 3600.0 * *hour + 60.0 * *minute + *whole + fraction + *rest;
+  return kDay_s * days + 3600.0 * *hour + 60.0 * *minute + *whole + fraction + *rest;
 }
 
 class TimeReader {
@@ -120,11 +127,13 @@ class TimeReader {
 
   TableTimes read() const {
     TableTimes times;
-    const bool dates = !table_.rows.empty() && !cell_number(table_.rows.front()) &&
-                       date_seconds(table_.rows.front().cells[index_]).has_value();
+    const bool dates = has_dates();
     std::vector<double> numbers;
     for (const AnyTable::Row& row : table_.rows) {
-      const std::optional<double> time = dates ? date_seconds(row.cells[index_]) : cell_number(row);
+      std::optional<double> time = dates ? date_seconds(row.cells[index_]) : cell_number(row);
+      // A time of day without its date is of the day on which it is nearest to the one before.
+      if (dates && time && !numbers.empty() && !begins_with_date(row.cells[index_]))
+        *time += kDay_s * std::round((numbers.back() - *time) / kDay_s);
       times.of_row.push_back(time);
       if (time) numbers.push_back(*time);
     }
@@ -133,6 +142,15 @@ class TimeReader {
   }
 
  private:
+  /// Whether the first cell that says a time says it as a date or a time of day.
+  bool has_dates() const {
+    for (const AnyTable::Row& row : table_.rows) {
+      if (cell_number(row)) return false;
+      if (date_seconds(row.cells[index_])) return true;
+    }
+    return false;
+  }
+
   std::optional<double> cell_number(const AnyTable::Row& row) const {
     return table_.number(row.cells[index_]);
   }

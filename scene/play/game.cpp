@@ -147,12 +147,19 @@ void note_strays(Game& game, const Tick& tick) {
   }
 }
 
+/// The first of this tick's events that belongs to the game: those before its version began are
+/// another game's.
+std::size_t first_of_game(const std::vector<Event>& events) {
+  const auto begun = std::ranges::find(events.rbegin(), events.rend(), kind::version, &Event::kind);
+  return static_cast<std::size_t>(events.rend() - begun);
+}
+
 /// For each ball that was released in this tick: stores that it has not struck a skittle yet, and
 /// checks for a foul.
 void note_releases(Game& game, const Tick& tick) {
-  const std::size_t before = tick.events.size();
+  const std::size_t first = first_of_game(tick.events), before = tick.events.size();
   for (const engine::BodyId ball : tick.stage.balls) {
-    for (std::size_t i = 0; i < before; ++i) {
+    for (std::size_t i = first; i < before; ++i) {
       if (tick.events[i].kind != kind::release ||
           tick.events[i].bodies.front() != tick.world.bodies[ball].name)
         continue;
@@ -202,7 +209,7 @@ bool strikes_first(const Game& game, const Tick& tick) {
 bool watch_released(Game& game, const Tick& tick) {
   bool found = false;
   const std::size_t before = tick.events.size();
-  for (std::size_t i = 0; i < before; ++i) {
+  for (std::size_t i = first_of_game(tick.events); i < before; ++i) {
     if (tick.events[i].kind != kind::release) continue;
     for (const engine::BodyId ball : tick.stage.balls) {
       if (tick.events[i].bodies.front() != tick.world.bodies[ball].name) continue;

@@ -282,6 +282,10 @@ bool hand_is_away(const Player& player, const Rig& rig, Time now) {
   return known && now - known->last > microseconds(rig.away_after_s);
 }
 
+std::optional<Pose> present_hand(const Player& player, const Rig& rig, Time now) {
+  return hand_is_away(player, rig, now) ? std::nullopt : player.hand.at(now);
+}
+
 Pose sensor_in_space(const devices::TrackerSample& sample, const Rig& rig) {
   if (sample.in_transmitters_frame()) return rig.X_WT * sample.X_TS;
   if (sample.frame == "P") return sample.X_TS;
@@ -306,7 +310,7 @@ void follow(Player& player, std::span<const devices::Sample> samples, const Scen
   const std::optional<Pose> X_PD = player.head.at(now);
   if (!X_PD) return;
   const bool by_hand = scenario.walk.along == WalkAlong::hand;
-  const std::optional<Pose> X_PX = by_hand ? player.hand.at(now) : X_PD;
+  const std::optional<Pose> X_PX = by_hand ? present_hand(player, scenario.rig, now) : X_PD;
   // Without a pose of the hand there is no direction: the walk does not start, or it stops.
   step(player.walk, scenario, *X_PD, X_PX.value_or(*X_PD), X_PX ? thumbs : 0, dt);
 }

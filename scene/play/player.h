@@ -44,6 +44,11 @@ Pose sensor_in_space(const devices::TrackerSample& sample, const Rig& rig);
 /// @param now  time of the poses, `rig.delay_s` before the tick
 bool hand_is_away(const Player& player, const Rig& rig, Time now);
 
+/// X_PH, unless the hand is away or was never seen.
+///
+/// @param now  as above
+std::optional<Pose> present_hand(const Player& player, const Rig& rig, Time now);
+
 /// Takes the new samples and walks for a tick; drive() does this first. It needs no world. Buttons
 /// stay in the player.
 ///

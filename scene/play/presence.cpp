@@ -155,10 +155,14 @@ Event seen_event(const Sight& sight, std::string_view kind, engine::BodyId body)
 /// Updates an approach by one tick.
 void follow_approach(Approach& approach, const Sight& sight) {
   const engine::State& state = sight.world.states[approach.body];
+  if (sight.world.bodies[approach.body].kind != engine::Kind::free) {
+    // It was taken, or is back on its stand: it is not where it flew.
+    if (!approach.passed) approach.passed = sight.moment.time;
+    return;
+  }
   if (!approach.passed) {
     approach.closest = std::min(approach.closest, distance_now(sight, approach.body));
-    const bool gone = sight.world.bodies[approach.body].kind != engine::Kind::free ||
-                      level(state.v_WB).norm() < kSlowAgain;
+    const bool gone = level(state.v_WB).norm() < kSlowAgain;
     if (gone || !passing_of(sight, approach.body)) approach.passed = sight.moment.time;
   }
   const Vec3 head = acceleration(sight.player.head.samples(), kNeckJoint, sight.measured);
@@ -271,7 +275,8 @@ void watch(Presence& presence, const Player& player, const Tick& tick) {
   const std::optional<Pose> X_PD = player.head.at(measured);
   if (!X_PD) return;
   Sight sight{tick, player, measured, player.walk.X_WP() * X_PD->p, {}};
-  if (const auto X_PH = player.hand.at(measured)) sight.p_WH = player.walk.X_WP() * X_PH->p;
+  const auto X_PH = present_hand(player, tick.stage.scenario.rig, measured);
+  if (X_PH) sight.p_WH = player.walk.X_WP() * X_PH->p;
   for (Approach& approach : presence.approaches) {
     follow_approach(approach, sight);
     if (approach.passed && now >= *approach.passed + kAfterwards) {

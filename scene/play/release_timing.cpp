@@ -50,14 +50,21 @@ ReleaseTiming at_samples(const Track& track, Time time, const Scenario& scenario
   return timing;
 }
 
-/// The fastest of the milliseconds around a release at which the hand was tracked.
+/// The fastest of the milliseconds around a release at which the hand was tracked, each with the
+/// samples that a release at that time uses.
 ReleaseTiming at_milliseconds(const Track& track, Time time, const Scenario& scenario) {
+  const Rig& rig = scenario.rig;
+  const ReleaseWindow window = release_window(scenario.hand);
   ReleaseTiming timing{.release = time};
   for (Time at = time - kAround; at <= time + kAround; at += Time{1000}) {
-    const Motion motion = motion_at(track, at - microseconds(scenario.rig.delay_s),
-                                    scenario.hand.grip, release_window(scenario.hand));
-    const double speed = motion.V_WB.v.norm();
-    if (motion.known == Known::tracked && speed > timing.fastest_speed) timing = {time, at, speed};
+    const Time measured = at - microseconds(rig.delay_s);
+    if (motion_at(track, measured, scenario.hand.grip, window).known != Known::tracked) continue;
+    const Time last = told_until(measured, rig.delay_s + rig.predicted_s);
+    const auto end = std::ranges::upper_bound(track, last, {}, &Stamped<Pose>::time);
+    const double speed =
+        motion_at(std::span(track.begin(), end), measured, scenario.hand.grip, window)
+            .V_WB.v.norm();
+    if (speed > timing.fastest_speed) timing = {time, at, speed};
   }
   return timing;
 }

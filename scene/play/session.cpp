@@ -1,9 +1,12 @@
 #include "scene/play/session.h"
 
 #include <algorithm>
+#include <iterator>
+#include <span>
 #include <utility>
 
 #include "scene/play/referee.h"
+#include "scene/play/score.h"
 #include "scene/record/events.h"
 
 namespace headpin::scene {
@@ -21,13 +24,20 @@ std::optional<Pose> in_room(const Session& s, const devices::PoseTrack& track, T
   return s.player.walk.X_WP() * *X_PX;
 }
 
+/// X_WH; nothing while it is away.
+std::optional<Pose> hand_at(const Session& s, Time now) {
+  const Rig& rig = s.scenario().rig;
+  if (hand_is_away(s.player, rig, now - microseconds(rig.delay_s))) return std::nullopt;
+  return in_room(s, s.player.hand, now);
+}
+
 bool has_buttons(const Session& s) {
   return s.versions[0] != nullptr;
 }
 
 /// The button that the hand touches, from wrist to fingertips.
 std::optional<std::size_t> button_at_hand(const Session& s, Time now) {
-  const std::optional<Pose> X_WH = in_room(s, s.player.hand, now);
+  const std::optional<Pose> X_WH = hand_at(s, now);
   if (!X_WH) return std::nullopt;
   constexpr double kToFingertips = 0.12, kThick = 0.015;
   const Versions& v = s.scenario().version;
@@ -40,13 +50,17 @@ std::optional<std::size_t> button_at_hand(const Session& s, Time now) {
   return std::nullopt;
 }
 
-/// Counts the moving ball for the version in which it was thrown. A copy of its world continues
-/// without the player until the ball is counted; the resulting events happen now.
+/// Counts the moving ball, or one that is let go now, for the version in which it was thrown. A copy
+/// of its world continues without the player until the ball is counted; the resulting events happen
+/// now.
 ///
 /// @return  the world after that
 engine::World count_ahead(const Session& s, const Moment& moment, std::vector<Event>& out) {
   engine::World world = s.world;
-  if (s.scenario().game.ends != BallEnds::rest || !s.game.thrown) {
+  std::vector<Event> now;
+  std::ranges::copy_if(s.events, std::back_inserter(now),
+                       [](const Event& e) { return e.kind == kind::release && is_of_ball(e); });
+  if (s.scenario().game.ends != BallEnds::rest || (!s.game.thrown && now.empty())) {
     if (auto path = ball_path_so_far(s.game, world, moment)) out.push_back(std::move(*path));
     return world;
   }
@@ -60,22 +74,24 @@ engine::World count_ahead(const Session& s, const Moment& moment, std::vector<Ev
     engine::set_state(world, *held, {world.states[*held].X_WB, Vec3::Zero(), Vec3::Zero()});
   }
   engine::Workspace workspace;
-  std::vector<Event> all;
-  Tick tick{*s.stage, world, moment, all};
-  while (game.thrown) {
+  std::size_t told = now.size();  // the releases
+  Tick tick{*s.stage, world, moment, now};
+  do {
     note_velocities(game, world);
     engine::step(world, workspace);
     note_step(game, tick);
     referee(game, tick, held);
+    for (Event& e : std::span(now).subspan(told)) {
+      if (e.kind == kind::ball_back) continue;
+      e.time = moment.time;
+      e.tick = moment.tick;
+      out.push_back(std::move(e));
+    }
+    now.clear();
+    told = 0;
     const std::int64_t next = tick.moment.tick + 1;
     tick.moment = {tick_time(next, s.scenario().rates.physics_hz), next};
-  }
-  for (Event& e : all) {
-    if (e.kind == kind::ball_back) continue;
-    e.time = moment.time;
-    e.tick = moment.tick;
-    out.push_back(std::move(e));
-  }
+  } while (game.thrown);
   return world;
 }
 
@@ -202,9 +218,7 @@ std::optional<Pose> head_pose(const Session& s, Time at) {
 }
 
 std::optional<Pose> hand_pose(const Session& s) {
-  const Rig& rig = s.scenario().rig;
-  if (hand_is_away(s.player, rig, s.now() - microseconds(rig.delay_s))) return std::nullopt;
-  return in_room(s, s.player.hand, s.now());
+  return hand_at(s, s.now());
 }
 
 }  // namespace headpin::scene

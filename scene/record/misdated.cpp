@@ -20,8 +20,9 @@ class LoneFinder {
   LoneFinder(double most, std::size_t fewest, std::vector<std::int64_t>& found)
       : most_(most), fewest_(fewest), found_(&found) {}
 
-  void add(std::int64_t message, double value) {
-    row_.push_back({message, value});
+  /// @param told  the time of the value, where it may come late
+  void add(std::int64_t message, double value, std::optional<Time> told = {}) {
+    row_.push_back({message, value, told});
     ++count_;
     while (count_ >= fewest_ && row_.size() > kAhead) judge();
   }
@@ -34,6 +35,7 @@ class LoneFinder {
   struct Entry {
     std::int64_t message;
     double value;
+    std::optional<Time> told;
   };
 
   bool differ(double a, double b) const { return std::abs(a - b) > most_; }
@@ -53,12 +55,22 @@ class LoneFinder {
            differ(row_[0].value, row_[2].value) && !differ(row_[1].value, row_[2].value);
   }
 
+  /// Whether the first value is behind as on a line that stood still: its time lies between those of
+  /// its neighbours.
+  bool is_late() const {
+    const Entry& one = row_[0];
+    if (!one.told || !told_ || one.value > *before_) return false;
+    return *told_ <= *one.told && (row_.size() == 1 || *one.told <= *row_[1].told);
+  }
+
   void judge() {
-    const bool wrong = before_ ? differ(*before_, row_[0].value) && comes_back() : first_is_wrong();
-    if (wrong) {
+    const bool jumps = before_ ? differ(*before_, row_[0].value) && comes_back() : first_is_wrong();
+    const bool late = jumps && before_ && is_late();
+    if (!jumps || late) told_ = row_[0].told;
+    if (jumps && !late) {
       found_->push_back(row_[0].message);
       if (!before_) before_ = row_[1].value;
-    } else {
+    } else if (!jumps) {
       before_ = row_[0].value;
     }
     row_.pop_front();
@@ -68,7 +80,8 @@ class LoneFinder {
   std::size_t fewest_, count_ = 0;
   std::vector<std::int64_t>* found_;
   std::deque<Entry> row_;
-  std::optional<double> before_;  // the last one that was right
+  std::optional<double> before_;  // the last one that was right and not late
+  std::optional<Time> told_;      // of the last one that was right
 };
 
 constexpr double kMostJump_s = 1.0;
@@ -101,7 +114,8 @@ Misdated find_misdated(Messages messages) {
     for (std::size_t kind = 0; kind < all.size(); ++kind) {
       if (kind > 0 && all[kind] == Time{}) continue;  // it has no such time
       samples.try_emplace(std::pair(device, kind), kMostJump_s, kFewest, found)
-          .first->second.add(messages.number(), seconds(all[kind] - messages.stamp()));
+          .first->second.add(messages.number(), seconds(all[kind] - messages.stamp()),
+                             kind == 0 ? std::optional(sample.device_time) : std::nullopt);
     }
   };
   while (const std::optional<Message> message = messages.next()) {

@@ -68,8 +68,7 @@ void EachThrow::tick(const Session& session) {
       events_.push_back(event);
     }
   }
-  before_.reset();
-  if (session.player.held) before_ = session;
+  before_ = session;  // a ball may be taken and let go within the next tick
 }
 
 void EachThrow::finish() {
