@@ -70,6 +70,21 @@ TEST_F(SweepCommands, ARowIsTheReplayUnderItsCondition) {
   EXPECT_EQ(status["failed"], 0);
 }
 
+// The motion is the same whatever the display's rate; of other ticks, only those of the same time count.
+TEST_F(SweepCommands, BodiesAreComparedWithWhereTheyWereAtTheSameTime) {
+  write_design("[grid]\nrates.frame_hz = [60, 30, 120]\n");
+  for (auto& row : csv_rows(undisturbed())) {
+    EXPECT_EQ(row["apart_arcmin"], "0") << row["rates.frame_hz"];
+  }
+  write_design("[list]\nrates.physics_hz = [240, 250]\n");
+  plan("ticks");
+  EXPECT_EQ(headpin("sweep run ticks --jobs 1").code, 0);
+  auto rows = csv_rows(merged("ticks"));
+  ASSERT_EQ(rows.size(), 2u);
+  // The ball goes 30 mm in a tick: half a degree from near by, before anything falls otherwise.
+  EXPECT_EQ(rows[0]["apart_arcmin"], "0");
+}
+
 TEST_F(SweepCommands, TheTableDoesNotDependOnWhoSimulatedWhichRow) {
   const std::string whole = undisturbed();
   plan("threads");

@@ -1,5 +1,6 @@
 // What-if as a laboratory meets it: its tables against replays, its refusals, its end.
 
+#include <cmath>
 #include <csignal>
 #include <map>
 
@@ -45,6 +46,23 @@ TEST_F(WhatIfCommand, TheReleaseAsItWasIsTheReplay) {
     EXPECT_THAT(svg, testing::StartsWith("<svg xmlns="));
     EXPECT_THAT(svg, testing::EndsWith("</svg>\n"));
   }
+}
+
+// The fastest moment that `info` tells is that of the releases at each millisecond around the real one.
+TEST_F(WhatIfCommand, HasTheFastestMomentThatInfoTells) {
+  ASSERT_EQ(headpin("synthesize -o s.lcmlog").code, 0);
+  ASSERT_EQ(headpin("replay s.lcmlog -o run.lcmlog").code, 0);
+  const nlohmann::json told = json("info run.lcmlog --json")["releases"].at(0);
+  ASSERT_EQ(headpin("whatif run.lcmlog -o OUT --within 100 --step 1" + kOne).code, 0);
+  double fastest = 0.0, at_ms = 0.0;
+  for (auto& row : csv_rows(slurp(folder_ / "OUT/moments.csv"))) {
+    EXPECT_EQ(std::stod(row["later_ms"]), std::round(std::stod(row["later_ms"])));
+    const double speed = std::stod(row["speed_mps"]);
+    if (speed > fastest) fastest = speed, at_ms = std::stod(row["later_ms"]);
+  }
+  EXPECT_NEAR(told["fastest_mps"], fastest, 1e-9);
+  EXPECT_NEAR(1e3 * (told["fastest_s"].get<double>() - told["release_s"].get<double>()), at_ms,
+              1e-6);
 }
 
 TEST_F(WhatIfCommand, IsAskedUnderAnyCondition) {

@@ -108,6 +108,22 @@ TEST(TableTime, IsADateOrANumberOfUnits) {
   }
 }
 
+TEST(TableTime, GoesOnOverMidnightAndBeginsBehindBlanks) {
+  const std::string text =
+      "time,x,y,z\n,0,0,0\n23:59:59.980,1,2,3\n00:00:00.000,1,2,3\n23:59:59.990,1,2,3\n"
+      "00:00:00.020,1,2,3\n";
+  const AnyTable table = read_any_table(text, "t.csv");
+  std::vector<std::string> notes;
+  const TableTimes times = read_times(table, 0, {}, "t.csv", notes);
+  EXPECT_EQ(times.unit_s, 1.0);
+  ASSERT_EQ(times.of_row.size(), 5u);
+  EXPECT_FALSE(times.of_row[0]);
+  EXPECT_NEAR(*times.of_row[1], 86399.98, 1e-9);
+  EXPECT_NEAR(*times.of_row[2], 86400.0, 1e-9);
+  EXPECT_NEAR(*times.of_row[3], 86399.99, 1e-9);
+  EXPECT_NEAR(*times.of_row[4], 86400.02, 1e-9);
+}
+
 TEST(Markers, AreGrabsAndReleasesInOrder) {
   const auto read = [](const std::string& text) { return parse_markers(text, "m.csv", 1.0); };
   const std::vector<Stamped<bool>> found =

@@ -1,12 +1,15 @@
 // The same hand under another condition: what a game hash tells apart, which throws have no
 // counterpart, and every throw on its own.
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 
 #include "devices/base/sources.h"
 #include "scene/record/events.h"
 #include "scene/watch/counterparts.h"
 #include "scene/watch/each_throw.h"
+#include "tests/scene/session_fixture.h"
 #include "tests/support/hand_script.h"
 
 namespace headpin::scene {
@@ -152,6 +155,32 @@ TEST(EachThrow, UnderTheSameConditionIsWhatItWas) {
   }
   EXPECT_EQ(was, felled(now.watched.events));
   EXPECT_EQ(other, was);
+}
+
+// A switch that bounces: the ball is taken and let go within a tick, and taken again.
+TEST(EachThrow, OfATickIsAThrowOfItsOwn) {
+  const Scenario scenario;
+  std::vector<devices::Sample> samples = test::straight_throw(scenario);
+  std::erase_if(samples, [](const devices::Sample& sample) {
+    const auto* button = std::get_if<devices::MouseSample>(&sample);
+    return button && button->trigger;
+  });
+  // Ticks use samples of `rig.delay_s` before.
+  const Time tick = tick_time(30, scenario.rates.physics_hz) - microseconds(scenario.rig.delay_s);
+  for (const auto& [after_us, trigger] : {std::pair{500, true}, {2'000, false}, {20'000, true}}) {
+    samples.emplace_back(
+        devices::MouseSample{.device_time = tick + Time{after_us}, .trigger = trigger});
+  }
+  std::ranges::stable_sort(samples, {}, [](const auto& s) { return devices::available(s); });
+  EachThrow each(make_session(scenario), scenario);
+  const Ran now = run_with(scenario, samples, &each);
+  each.finish();
+  const std::vector<ThrowAlone> throws = each.throws();
+  ASSERT_EQ(throws.size(), 2u);
+  EXPECT_LT(*throws[0].as_it_was.release_speed, 1.0);
+  EXPECT_NEAR(*throws[1].as_it_was.release_speed, 6.0, 0.2);
+  EXPECT_EQ(throws[0].as_it_was.skittles_down, 0);
+  EXPECT_GT(throws[1].as_it_was.skittles_down, 0);
 }
 
 TEST(EachThrow, LosesNoneUnderAConditionThatLosesSome) {

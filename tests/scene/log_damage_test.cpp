@@ -322,6 +322,22 @@ TEST(LogTest, OneOfTwoPressesIsNeverPassedOver) {
   EXPECT_EQ(trial.devices.at(devices::Device::mouse).samples, 2);
 }
 
+// A line that stood still for 1.3 s: the press arrived late, and its device says when it was.
+TEST(LogTest, APressThatCameLateIsNotPassedOver) {
+  const fs::path path = fresh_folder("log") / "trial.lcmlog";
+  Recorder recorder(path, header());
+  for (int i = 1; i <= 20; ++i) {
+    devices::MouseSample press{.device_time = Time{2'000'000 * i}, .trigger = i % 2 == 1};
+    press.host_time = press.device_time + Time{i == 13 ? 1'300'000 : 5'000};
+    press.session_time = press.host_time + Time{1'000};
+    recorder.write(devices::Sample(press));
+  }
+  recorder.close();
+  const Trial trial = read_trial(path);
+  EXPECT_EQ(trial.skipped.misdated, 0);
+  EXPECT_EQ(trial.devices.at(devices::Device::mouse).samples, 20);
+}
+
 TEST(LogTest, SaysWhichMessagesAreAmiss) {
   const fs::path path = fresh_folder("log") / "trial.lcmlog";
   Recorder recorder(path, header());

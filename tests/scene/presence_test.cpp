@@ -252,6 +252,38 @@ TEST(Presence, TheClosestApproachOfASkittleIsThatOfItsSurface) {
   }
 }
 
+// A ball that is brought back to its stand is near the head there, and did not fly there.
+TEST(Presence, WhatIsTakenOutOfTheAirWasNoNearerThanItFlew) {
+  Scenario scenario;
+  scenario.collision.gravity = 0.0;
+  scenario.hand.solid = false;
+  Session session = make_session(scenario);
+  const engine::BodyId ball = session.stage->balls.front();
+  engine::State state;
+  state.X_WB.p = kStandsAt + Vec3(0.0, 3.0, 0.0);
+  state.v_WB = Vec3(0.0, -kFlight, 0.0);
+  engine::set_kind(session.world, ball, engine::Kind::free);
+  engine::set_state(session.world, ball, state);
+  devices::ReplaySource source(Standing{}.samples());
+  std::optional<double> closest;
+  double flown_to = 0.0;
+  while (session.now() < Time{1'500'000}) {
+    advance(session, source);
+    for (const Event& event : session.events) {
+      if (event.kind == kind::passed_player) closest = event.value;
+    }
+    if (session.now() < Time{450'000}) {
+      flown_to = session.world.states[ball].X_WB.p.y() - kStandsAt.y();
+    } else {
+      engine::set_kind(session.world, ball, engine::Kind::driven);
+      engine::set_state(session.world, ball,
+                        {{Quat::Identity(), kStandsAt}, Vec3::Zero(), Vec3::Zero()});
+    }
+  }
+  ASSERT_TRUE(closest);
+  EXPECT_NEAR(*closest, flown_to - scenario.ball.radius, 0.02);  // that of the last tick in the air
+}
+
 TEST(Presence, WhatHasPassedIsToldOnce) {
   Scenario scenario;
   scenario.collision.gravity = 0.0;

@@ -364,6 +364,36 @@ TEST(ReleaseTimingTest, TellsHowLongBeforeTheFastestMomentTheBallWasLetGo) {
   }
 }
 
+// The hand lets go and touches the other version's button in one tick: the ball is the first
+// version's, and what it did is none of the second one.
+TEST(Versions, ABallThatIsLetGoAtTheButtonOfAnotherIsOfItsOwn) {
+  Scenario scenario;
+  scenario.version.buttons = true;
+  scenario.version.radius = 0.02;
+  scenario.game.rules = GameKind::plain;
+  scenario.version.red.button = scenario.ball.home - scenario.hand.grip;
+  const auto samples = straight_throw(scenario);
+  int in_one_tick = 0;
+  for (double ahead = 0.0; ahead < 0.1; ahead += 0.004) {
+    scenario.version.blue.button = Vec3(0.0, ahead, 0.25) - scenario.hand.grip;
+    const Outcome found = play(scenario, samples, 2.0);
+    const auto releases = of_kind(found, std::string(kind::release));
+    const auto versions = of_kind(found, std::string(kind::version));
+    if (releases.size() != 1 || versions.size() != 2) continue;
+    if (releases[0]->tick != versions[1]->tick) continue;
+    ++in_one_tick;
+    const auto counted = of_kind(found, std::string(kind::delivery));
+    ASSERT_EQ(counted.size(), 1u) << ahead;
+    EXPECT_GT(counted[0]->value, 0.0);
+    EXPECT_LT(counted[0], versions[1]) << "before the version began";
+    for (const Event* path : of_kind(found, std::string(kind::ball_path))) {
+      EXPECT_LT(path, versions[1]);
+    }
+    EXPECT_FALSE(found.session.game.thrown || found.session.game.watched);
+  }
+  EXPECT_GT(in_one_tick, 0);
+}
+
 TEST(SetResponse, IsKeptByEveryVersionAndMakesNoHashes) {
   int calls = 0;
   const engine::Response own{"mine",

@@ -3,6 +3,7 @@
 #include "scene/play/tracking.h"
 
 #include <functional>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -121,6 +122,26 @@ TEST(Tracking, OfAHandMayBeAwayAfterAShorterTime) {
   EXPECT_TRUE(hand_after(scenario, last + delay + Time{95'000}));
   EXPECT_FALSE(hand_after(scenario, last + delay + Time{110'000}));
   EXPECT_TRUE(hand_after(scenario, Time{1'608'334} + delay + Time{10'000}));
+}
+
+// The player walks to where the hand, if it were there, would touch the button.
+TEST(Tracking, OfAHandThatIsAwayBeginsNoVersion) {
+  Scenario scenario;
+  scenario.version.buttons = true;
+  scenario.version.red.button = Vec3(0.3, 0.0, 1.5);
+  for (const double away_after_s : {0.0, 0.1}) {
+    scenario.rig.away_after_s = away_after_s;
+    std::vector<devices::Sample> all = samples([&](devices::TrackerSample& sample) {
+      sample.X_TS.q = Quat(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitX()));  // ahead
+      return sample.station == devices::kHeadStation || !within(sample, 0.5, 2.9);
+    });
+    all.emplace_back(devices::MouseSample{.device_time = Time{1'000'000}, .left_thumb = true});
+    Session session = make_session(scenario);
+    devices::ReplaySource source(std::move(all));
+    while (session.now() < Time{2'800'000}) advance(session, source);
+    ASSERT_GT(session.player.walk.p_WP.y(), 1.1);
+    EXPECT_EQ(session.version_begun, away_after_s == 0.0);
+  }
 }
 
 TEST(Tracking, OfAHandThatIsAwayTakesNothingAndKeepsWhatItHolds) {

@@ -77,6 +77,43 @@ TEST(ThrowAgain, AsItWasHasTheBitsOfTheSession) {
   expect_same_throw(throw_again(demo_throw(), {}), whole.throws.front());
 }
 
+// A switch that bounces: the ball is taken and let go within a tick, and taken again.
+TEST(ThrowAgain, OfATickIsAThrowOfItsOwn) {
+  std::vector<devices::Sample> samples = demo().samples;
+  const auto press = std::ranges::find_if(samples, [](const devices::Sample& sample) {
+    const auto* button = std::get_if<devices::MouseSample>(&sample);
+    return button && button->trigger;
+  });
+  ASSERT_NE(press, samples.end());
+  const auto first = std::get<devices::MouseSample>(*press);
+  const Time delay = microseconds(demo().scenario.rig.delay_s);
+  const std::int64_t rate = demo().scenario.rates.physics_hz;
+  const Time tick = tick_time(static_cast<std::int64_t>(seconds(first.device_time + delay) *
+                                                        static_cast<double>(rate)) +
+                                  1,
+                              rate) -
+                    delay;
+  std::vector<devices::Sample> bounces;
+  for (const auto& [after_us, trigger] : {std::pair{500, true}, {2'000, false}, {20'000, true}}) {
+    devices::MouseSample button = first;
+    button.device_time = tick + Time{after_us};
+    button.trigger = trigger;
+    bounces.emplace_back(button);
+  }
+  const auto at = samples.erase(press);
+  samples.insert(at, bounces.begin(), bounces.end());
+  Situations situations(kMostShift);
+  const scene::Score whole = played(demo().scenario, samples, 7.0, &situations);
+  ASSERT_EQ(whole.throws.size(), 2u);
+  ASSERT_EQ(situations.all().size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Outcome again = throw_again(situations.all()[i], {});
+    EXPECT_EQ(again.thrown.release, whole.throws[i].release);
+    EXPECT_EQ(again.thrown.v_WB, whole.throws[i].v_WB);
+  }
+  expect_same_throw(throw_again(situations.all()[1], {}), whole.throws[1]);
+}
+
 // The same session with the trigger's sample at another time, simulated from its start.
 TEST(ThrowAgain, AtAnotherMomentIsTheSessionWhoseTriggerOpensThen) {
   for (const int later_ms : {-350, -150, -33, -1, 1, 8, 90, 150}) {
