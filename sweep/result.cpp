@@ -38,12 +38,12 @@ const std::vector<ResultColumn>& result_columns() {
 void Result::tick(const scene::Session& session) {
   for (const scene::Event& event : session.events) score_.add(event);
   if (session.world.statistics.awake > 0) last_awake_ = session.tick;
-  const std::vector<Place>* recorded = recorded_now(session);
+  const Frames::value_type* recorded = recorded_now(session);
   const auto apart = recorded ? arcmin_in_view(session, *recorded) : std::nullopt;
   if (apart) apart_arcmin_ = std::max(apart_arcmin_.value_or(0.0), *apart);
 }
 
-const std::vector<Place>* Result::recorded_now(const scene::Session& session) const {
+const Frames::value_type* Result::recorded_now(const scene::Session& session) const {
   const std::int64_t there = session.tick * rates_.physics_hz;
   const std::int64_t rate = session.scenario().rates.physics_hz;
   if (!recorded_ || there % rate != 0)

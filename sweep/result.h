@@ -34,7 +34,7 @@ class Result : public scene::Observer {
 
  private:
   /// The recorded places at the time of this tick, if they are known.
-  const std::vector<Place>* recorded_now(const scene::Session& session) const;
+  const Frames::value_type* recorded_now(const scene::Session& session) const;
 
   const Frames* recorded_;
   scene::Rates rates_;
