@@ -76,7 +76,7 @@ TEST_F(SweepCommands, BodiesAreComparedWithWhereTheyWereAtTheSameTime) {
   for (auto& row : csv_rows(undisturbed())) {
     EXPECT_EQ(row["apart_arcmin"], "0") << row["rates.frame_hz"];
   }
-  write_design("[grid]\nrates.physics_hz = [240, 250]\n");
+  write_design("[grid]\nrates.physics_hz = [240, 360]\n");
   plan("ticks");
   EXPECT_EQ(headpin("sweep run ticks --jobs 1").code, 0);
   auto rows = csv_rows(merged("ticks"));

@@ -27,9 +27,10 @@ TrackerSample sample_at(std::int64_t us, std::int64_t sequence) {
   return sample;
 }
 
-// Later samples with earlier times: the clock was set back, and none of them is late.
+// Later samples with earlier times: the clock was set back, and none of them is late. (Without a sender's
+// address, one that is half a second behind is another publisher.)
 TEST(LcmClock, OfAPublisherThatIsSetBackStartsAgain) {
-  for (const std::int64_t back_us : {100'000, 300'000, 700'000, 2'000'000}) {
+  for (const std::int64_t back_us : {100'000, 300'000, 450'000}) {
     LcmLink link("memq://");
     Clocks clocks;
     LcmSource source(link, clocks);
