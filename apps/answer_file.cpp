@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/streams.h"
 #include "study/csv.h"
 
 namespace headpin::apps {
@@ -22,7 +23,17 @@ AnswerFile::AnswerFile(const Study& study, const std::string& id)
     : id_(id), path_(study.at.answers(id)) {
   fs::create_directories(path_.parent_path());
   file_.emplace(path_.string());
-  answers = study::parse_answers(file_->text(), path_.string(), study.questions, id);
+  const auto read = [&](const std::string& text) {
+    return study::parse_answers(text, path_.string(), study.questions, id);
+  };
+  try {
+    answers = read(file_->text());
+  } catch (const std::exception&) {
+    if (file_->whole_lines() == file_->text()) throw;
+    answers = read(file_->whole_lines());  // a crash may have left a part of a line
+    say("{}: its last line is no whole answer, as a crash leaves it: removed\n", path_.string());
+    file_->cut_last_line();
+  }
   require_commas();
 }
 

@@ -5,6 +5,8 @@
 #include <regex>
 #include <vector>
 
+#include <fcntl.h>
+
 #include "base/leftovers.h"
 
 namespace headpin::base {
@@ -18,7 +20,9 @@ void remove_left_parts(const std::string& folder) {
     if (!std::regex_match(name, match, part) || !entry.is_regular_file()) continue;
     if (is_gone(std::atoi(match[1].str().c_str()))) left.push_back(entry.path());
   }
-  for (const auto& path : left) std::filesystem::remove(path);
+  for (const auto& path : left) {
+    if (is_left(AT_FDCWD, path.string())) std::filesystem::remove(path);
+  }
 }
 
 }  // namespace headpin::base

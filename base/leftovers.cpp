@@ -35,8 +35,8 @@ std::optional<pid_t> writer_of(std::string_view name, std::string_view stem) {
   return process;
 }
 
-/// Whether a file is ours and no process writes it. A process on another machine is not visible
-/// here, but it has its file locked.
+}  // namespace
+
 bool is_left(int folder, const std::string& name) {
   const int file = openat(folder, name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (file < 0) return false;
@@ -46,8 +46,6 @@ bool is_left(int folder, const std::string& name) {
   close(file);
   return left;
 }
-
-}  // namespace
 
 bool is_gone(int process) {
   if (kill(process, 0) != 0) return errno == ESRCH;

@@ -11,6 +11,10 @@ std::string part_stem(const std::string& target);
 /// Whether a process does not run, though nobody may have asked for its end yet.
 bool is_gone(int process);
 
+/// Whether a file of a folder is a regular one of this user that nobody has locked. A process on
+/// another machine cannot be seen here, but it has its file locked.
+bool is_left(int folder, const std::string& name);
+
 /// Removes incomplete outputs of killed runs from an open folder: regular files STEM.PROCESS-N.part
 /// of this user that are not locked and whose process is not running.
 ///

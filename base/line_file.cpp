@@ -27,6 +27,10 @@ void sync_folder_of(const std::string& path) {
   close(folder);
 }
 
+bool is_end(char c) {
+  return c == '\n' || c == '\r';
+}
+
 }  // namespace
 
 void LineFile::fail(const std::string& doing) const {
@@ -39,9 +43,8 @@ LineFile::LineFile(std::string path) : path_(std::move(path)) {
   try {
     if (!lock(descriptor_)) throw Busy(path_ + ": another headpin is writing it");
     text_ = read_text(path_, kMostLines);
-    text_.resize(text_.rfind('\n') + 1);  // npos + 1 is 0
     size_ = static_cast<std::int64_t>(text_.size());
-    if (ftruncate(descriptor_, size_) != 0) fail("cannot be written");
+    ended_ = text_.empty() || is_end(text_.back());
     sync_folder_of(path_);
   } catch (...) {
     close(descriptor_);
@@ -53,7 +56,19 @@ LineFile::~LineFile() {
   close(descriptor_);
 }
 
-void LineFile::append(const std::string& lines) {
+std::string LineFile::whole_lines() const {
+  return text_.substr(0, text_.find_last_of("\n\r") + 1);  // npos + 1 is 0
+}
+
+void LineFile::cut_last_line() {
+  text_ = whole_lines();
+  size_ = static_cast<std::int64_t>(text_.size());
+  if (ftruncate(descriptor_, size_) != 0) fail("cannot be written");
+  ended_ = true;
+}
+
+void LineFile::append(const std::string& more) {
+  const std::string lines = ended_ ? more : '\n' + more;
   std::size_t done = 0;
   while (done < lines.size()) {
     const ssize_t n = write(descriptor_, lines.data() + done, lines.size() - done);
@@ -68,6 +83,7 @@ void LineFile::append(const std::string& lines) {
     fail("cannot be written");
   }
   size_ += static_cast<std::int64_t>(lines.size());
+  ended_ = true;
 }
 
 }  // namespace headpin::base

@@ -1,13 +1,17 @@
 #include "study/bids.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <cmath>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "scene/record/events.h"
 #include "study/csv.h"
 
 namespace headpin::study {
@@ -108,6 +112,11 @@ Json channels_json(const char* axes, const std::string& meaning) {
            {{"SpatialAxes", axes}, {"RotationRule", "right-hand"}, {"RotationOrder", "ZXY"}}}}}}}};
 }
 
+/// Rows a second.
+double rate_of(std::int64_t rows, double duration_s) {
+  return duration_s > 0.0 ? static_cast<double>(rows - 1) / duration_s : 0.0;
+}
+
 Json motion_json(const std::vector<Channel>& channels, const std::string& system, double rate_hz,
                  std::int64_t rows, double duration_s) {
   const auto count = [&](const char* type) {
@@ -120,8 +129,7 @@ Json motion_json(const std::vector<Channel>& channels, const std::string& system
   return {{"TaskName", "bowling"},
           {"TaskDescription", "Two games of bowling at skittles in a virtual room"},
           {"SamplingFrequency", rate_hz},
-          {"SamplingFrequencyEffective",
-           duration_s > 0.0 ? static_cast<double>(rows - 1) / duration_s : rate_hz},
+          {"SamplingFrequencyEffective", duration_s > 0.0 ? rate_of(rows, duration_s) : rate_hz},
           {"RecordingDuration", duration_s},
           {"TrackingSystemName", system},
           {"MotionChannelCount", channels.size()},
@@ -150,7 +158,44 @@ std::string tracker_row(const devices::TrackerSample& s, std::size_t index) {
   return line(cells);
 }
 
-void add_tracker(const BidsSession& session, std::int32_t station, std::vector<BidsFile>& files) {
+constexpr double kFastrakRate = 120.0;  // samples a second, of all receivers
+
+/// Where an axis of the tracker points in the room, about: a letter of SpatialAxes and a word.
+std::pair<char, const char*> direction_of(const Vec3& axis_W) {
+  Eigen::Index along = 0;
+  axis_W.cwiseAbs().maxCoeff(&along);
+  static constexpr std::array<std::array<std::pair<char, const char*>, 2>, 3> kDirections = {
+      {{{{'R', "right"}, {'L', "left"}}},
+       {{{'A', "ahead"}, {'P', "back"}}},
+       {{{'S', "up"}, {'I', "down"}}}}};
+  return kDirections[static_cast<std::size_t>(along)][axis_W[along] < 0.0 ? 1 : 0];
+}
+
+std::string axes_of(const Quat& q_WT) {
+  std::string axes;
+  for (int i = 0; i < 3; ++i) axes += direction_of(q_WT * Vec3::Unit(i)).first;
+  return axes;
+}
+
+std::string meaning_of(const Quat& q_WT) {
+  return fmt::format(
+      "the tracker's own frame, in the room about: +x {}, +y {}, +z {}; exactly, it is turned in "
+      "the frame of tracksys-simulated by the quaternion (w, x, y, z) = ({:.6g}, {:.6g}, {:.6g}, "
+      "{:.6g})",
+      direction_of(q_WT * Vec3::UnitX()).second, direction_of(q_WT * Vec3::UnitY()).second,
+      direction_of(q_WT * Vec3::UnitZ()).second, q_WT.w(), q_WT.x(), q_WT.y(), q_WT.z());
+}
+
+/// Who made the tracker of a session; empty where a page or a file gave the poses.
+std::string maker_of(const BidsSession& session) {
+  const bool other = std::ranges::any_of(session.events, [](const scene::Event& event) {
+    return event.kind == scene::kind::played_with || event.kind == scene::kind::imported;
+  });
+  return other ? "" : "Polhemus";
+}
+
+void add_tracker(const BidsSession& session, std::int32_t station, std::size_t stations,
+                 std::vector<BidsFile>& files) {
   const std::string system = system_of(station);
   const std::vector<Channel> channels = tracker_channels(system);
   std::string rows;
@@ -163,17 +208,23 @@ void add_tracker(const BidsSession& session, std::int32_t station, std::vector<B
     if (count++ == 0) first = sample->device_time;
     last = sample->device_time;
   }
+  const double duration_s = seconds(last - first);
+  const std::string maker = maker_of(session);
+  const double rate_hz = maker.empty() ? std::round(rate_of(count, duration_s))
+                                       : kFastrakRate / static_cast<double>(stations);
   Json sidecar =
-      motion_json(channels, "Fastrak, receiver " + system, 60.0, count, seconds(last - first));
-  sidecar["Manufacturer"] = "Polhemus";
-  sidecar["ManufacturersModelName"] = "Fastrak";
+      motion_json(channels, (maker.empty() ? "receiver " : "Fastrak, receiver ") + system, rate_hz,
+                  count, duration_s);
+  if (!maker.empty()) {
+    sidecar["Manufacturer"] = maker;
+    sidecar["ManufacturersModelName"] = "Fastrak";
+  }
   files.emplace_back(name_of(session, system, "motion.tsv"), rows);
   files.emplace_back(name_of(session, system, "motion.json"), sidecar.dump(2) + "\n");
   files.emplace_back(name_of(session, system, "channels.tsv"), channels_tsv(channels));
   files.emplace_back(
       name_of(session, system, "channels.json"),
-      channels_json("ARI", "the tracker's transmitter: +x ahead, +y right, +z down").dump(2) +
-          "\n");
+      channels_json(axes_of(session.q_WT).c_str(), meaning_of(session.q_WT)).dump(2) + "\n");
 }
 
 const std::vector<std::string> kEventColumns = {
@@ -343,7 +394,9 @@ std::vector<BidsFile> session_files(const BidsSession& session) {
     if (tracker && tracker->station > 0) stations.insert(tracker->station);
   }
   std::vector<BidsFile> files;
-  for (const std::int32_t station : stations) add_tracker(session, station, files);
+  for (const std::int32_t station : stations) {
+    add_tracker(session, station, stations.size(), files);
+  }
   add_events(session, files);
   return files;
 }

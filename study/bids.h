@@ -22,6 +22,7 @@ struct BidsSession {
   const scene::TrialHeader* header = nullptr;
   std::vector<devices::Sample> samples;  ///< in the order of the log
   std::vector<scene::Event> events;
+  Quat q_WT = Quat::Identity();  ///< of the transmitter in the room
 };
 
 /// The README of the dataset; it does not depend on the participants.

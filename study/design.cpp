@@ -109,6 +109,10 @@ PublishedAnswers read_published(TomlFields fields, const Design& design) {
   int sum = 0;
   for (const auto& [answer, count] : answers.counts) sum += count;
   if (sum == 0) fields.refuse("counts", "those of one person or more");
+  for (const PublishedAnswers& other : design.published) {
+    const bool same = other.item == answers.item && other.changed == answers.changed;
+    if (same) fields.refuse("item", "another one than before, or with another `changed`");
+  }
   fields.finish();
   return answers;
 }

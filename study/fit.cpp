@@ -24,6 +24,11 @@ Fit fit_binomial(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, double n) {
   constexpr double kSame = 1e-10, kBound = 30.0;  // exp(30): not distinguishable from probability 1
   Fit fit;
   fit.estimates = Eigen::VectorXd::Zero(x.cols());
+  if (x.cols() == 0) {
+    for (Eigen::Index i = 0; i < y.size(); ++i) fit.deviance += deviance_of(y[i], 0.5 * n, n);
+    fit.converged = true;
+    return fit;
+  }
   double before = std::numeric_limits<double>::infinity();
   for (int step = 0; step < kMost; ++step) {
     const Eigen::VectorXd eta = (x * fit.estimates).cwiseMax(-kBound).cwiseMin(kBound);

@@ -49,7 +49,10 @@ void Measurer::tick(const scene::Session& session) {
 SessionMeasures Measurer::measures(const scene::Session& session) const {
   SessionMeasures all = so_far_;
   for (const scene::Sheet& game : score_.games) {
-    if (all.versions.contains(game.version)) all.versions[game.version].skittles += points(game);
+    if (!all.versions.contains(game.version)) continue;
+    for (const auto& frame : game.frames) {
+      for (const int felled : frame) all.versions[game.version].skittles += felled;
+    }
   }
   for (const scene::ThrowRow& one : score_.throws) {
     if (!all.versions.contains(one.version)) continue;

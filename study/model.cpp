@@ -80,7 +80,7 @@ std::optional<double> value_of(const Term& term, const Design& design, const All
   }
   if (term.of.empty()) return 1.0;
   if (const auto factor = factor_with_letter(design, term.of)) {
-    return row.cell[*factor] == '1' ? 1.0 : 0.0;
+    return row.cell[*factor] == (term.is.empty() ? '1' : term.is.front()) ? 1.0 : 0.0;
   }
   const Answer* answer = find(answers, term.of);
   if (!answer || answer->answer == kNoAnswer) return std::nullopt;
@@ -100,18 +100,16 @@ std::optional<std::vector<double>> values_of(const Design& design, const Allotte
 }
 
 std::string in_r(const Term& term, const Design& design) {
-  std::vector<std::string> factors;
   const auto key = [&](std::size_t factor) { return design.factors[factor].key; };
-  if (term.changed) factors.push_back(fmt::format("(p$changed == \"{}\")", key(*term.changed)));
-  if (term.unless) factors.push_back(fmt::format("(p$changed != \"{}\")", key(*term.unless)));
-  if (!term.of.empty()) {
-    factors.push_back(term.is.empty() ? "p$" + term.of
-                                      : fmt::format("(p${} == \"{}\")", term.of, term.is));
+  std::string among;  // people; an answer of others does not matter, nor that it is missing
+  if (term.changed) among = fmt::format("p$changed == \"{}\"", key(*term.changed));
+  if (term.unless) {
+    among += fmt::format("{}p$changed != \"{}\"", among.empty() ? "" : " & ", key(*term.unless));
   }
-  if (factors.empty()) return "rep(1, nrow(p))";
-  std::string product = factors[0];
-  for (std::size_t i = 1; i < factors.size(); ++i) product += " * " + factors[i];
-  return factors.size() == 1 && product[0] == '(' ? "1 * " + product : product;
+  if (term.of.empty()) return among.empty() ? "rep(1, nrow(p))" : fmt::format("1 * ({})", among);
+  const std::string value =
+      term.is.empty() ? "p$" + term.of : fmt::format("1 * (p${} == \"{}\")", term.of, term.is);
+  return among.empty() ? value : fmt::format("ifelse({}, {}, 0)", among, value);
 }
 
 double published_estimate(const Design& design, std::size_t term) {

@@ -109,7 +109,7 @@ void add_version(bool changed, std::vector<Filled>& all) {
   };
   using V = VersionMeasures;
   using Number = std::optional<double>;
-  add("skittles", "whole", "", "skittles down, as the sheet counts them",
+  add("skittles", "whole", "", "skittles down that count, without points for bonus",
       [](const V& v) -> Number { return v.skittles; });
   add("throws", "whole", "", "balls let go", [](const V& v) -> Number { return v.throws; });
   add("fouls", "whole", "", "of them beyond the foul line",

@@ -56,10 +56,13 @@ std::vector<Choice> read_choices(TomlFields& fields, const Questionnaire& questi
 
 Item read_item(TomlFields fields, const Questionnaire& questions) {
   static const std::set<std::string> kTaken = {"participant", "item", "answer", "source"};
+  static const std::set<std::string> kOfR = {"break", "else", "for",    "function", "if",
+                                             "in",    "next", "repeat", "while"};
   Item item;
   item.id = read_id(fields, "id");
   if (questions.find(item.id)) fields.refuse("id", "another one than before");
   if (kTaken.contains(item.id)) fields.refuse("id", "another word: tables have such a column");
+  if (kOfR.contains(item.id)) fields.refuse("id", "another word: R has this one for itself");
   item.text = read_texts(fields, "text", questions);
   item.choices = read_choices(fields, questions);
   if (item.is_scale()) {

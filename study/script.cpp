@@ -19,7 +19,7 @@ output <- if (length(arguments) > 1) arguments[2] else "."
 who <- if (length(arguments) > 2) arguments[3] else "all"  # people, virtual or all
 to <- function(name) file.path(output, name)
 
-p <- read.csv(input, na.strings = "n/a", colClasses = c(cell = "character"))
+p <- read.csv(input, na.strings = "n/a", colClasses = c(cell = "character", participant = "character"))
 p <- p[p$counts == "yes", ]
 if (who == "people") p <- p[p$virtual == "no", ]
 if (who == "virtual") p <- p[p$virtual == "yes", ]
@@ -41,7 +41,7 @@ fit_of <- function(x, ...) suppressWarnings(glm(y ~ 0 + x, family = binomial, ..
 fit <- fit_of(x)
 
 # Estimates, as Table 6. A term that the data say nothing of is NA.
-wide <- function(values) setNames(values[paste0("x", colnames(x))], colnames(x))
+wide <- function(values) setNames(as.numeric(values), colnames(x))
 errors <- function(fit) {
   se <- rep(NA, ncol(x))
   known <- !is.na(coef(fit))
@@ -68,7 +68,7 @@ table_6 <- data.frame(
 
 # What the deviance grows by without each term.
 drop <- do.call(rbind, lapply(seq_len(ncol(x)), function(i) {
-  less <- fit_of(x[, -i, drop = FALSE])
+  less <- if (ncol(x) > 1) fit_of(x[, -i, drop = FALSE]) else glm(y ~ 0, family = binomial)
   grown <- deviance(less) - deviance(fit)
   df <- df.residual(less) - df.residual(fit)
   data.frame(term = colnames(x)[i], deviance = deviance(less), chi_squared = grown, df,

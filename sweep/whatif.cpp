@@ -54,10 +54,14 @@ class Sets {
 std::vector<double> evenly(double from, double to, int steps) {
   if (steps == 1) return {from};
   std::vector<double> values;
+  const double last = steps - 1, near = 1e-12 * std::abs(to - from);
   for (int i = 0; i < steps; ++i) {
-    // The two halves mirror each other, so that 0 is 0 in the middle of -x to x.
-    const double part = static_cast<double>(i) / static_cast<double>(steps - 1);
-    values.push_back(from * (1.0 - part) + to * part);
+    double value = (from * (last - i) + to * i) / last;
+    // What changes nothing is exact: it has the bits of the recorded throw.
+    for (const double exact : {0.0, 1.0}) {
+      if (std::abs(value - exact) <= near) value = exact;
+    }
+    values.push_back(value);
   }
   return values;
 }

@@ -112,8 +112,9 @@ Traits write_session(Dataset& dataset, const Study& study, const study::Person& 
   const scene::TrialSummary& trial = recorded.file.summary();
   scene::TrialHeader header = trial.header;
   header.participant = is_virtual_name(header.participant) ? virtual_name(subject) : subject;
-  study::BidsSession session{subject, person.played.run.substr(4), &header, samples_of(recorded),
-                             trial.events};
+  study::BidsSession session{subject,      person.played.run.substr(4),
+                             &header,      samples_of(recorded),
+                             trial.events, recorded.scenario.rig.X_WT.q};
   for (const auto& [name, text] : study::session_files(session)) dataset.write(name, text);
   std::string table;
   study::SimulatedSystem simulated([&](const std::string& row) { table += row; });

@@ -16,6 +16,7 @@
 #include "scene/scenario/scenario.h"
 #include "scene/scenario/toml_text.h"
 #include "scene/stage/read_scenario.h"
+#include "study/design_checks.h"
 
 namespace headpin::apps {
 
@@ -75,54 +76,6 @@ void check_levels(const study::Design& design, scene::Scenario scenario, const s
   }
 }
 
-/// @throws std::invalid_argument  "FILE:LINE: KEY must be EXPECTED, found 'FOUND'"
-[[noreturn]] void refuse_name(const std::string& where, int line, const char* key,
-                              const std::string& expected, const std::string& found) {
-  throw std::invalid_argument(fmt::format("{}:{}: {} must be {}, found '{}'", where, line, key,
-                                          expected, study::shown(found)));
-}
-
-/// The item of that id.
-/// @param others  what may be named in place of an item: "a factor (E, F) or "
-const study::Item& require_item(const study::Questionnaire& questions, const std::string& id,
-                                const std::string& others, const std::string& where, int line,
-                                const char* key) {
-  if (const study::Item* item = questions.find(id)) return *item;
-  std::vector<std::string> ids;
-  for (const study::Item& item : questions.items) ids.push_back(item.id);
-  refuse_name(where, line, key, fmt::format("{}an item ({})", others, fmt::join(ids, ", ")), id);
-}
-
-void require_answer(const study::Item& item, const std::string& answer, const std::string& where,
-                    int line, const char* key) {
-  if (study::answer_of(item, answer) == answer) return;
-  refuse_name(where, line, key,
-              fmt::format("an answer of item '{}' ({})", item.id, study::allowed(item)), answer);
-}
-
-/// Checks that the questionnaire has every item that the design uses.
-void check_items(const study::Design& design, const study::Questionnaire& questions,
-                 const std::string& where) {
-  std::vector<std::string> letters;
-  for (const study::Factor& factor : design.factors) letters.push_back(factor.letter);
-  const std::string factors = fmt::format("a factor ({}) or ", fmt::join(letters, ", "));
-  for (const study::Term& term : design.terms) {
-    if (term.of.empty() || std::ranges::find(letters, term.of) != letters.end()) continue;
-    const study::Item& item =
-        require_item(questions, term.of, factors, where, term.of_line, "term.of");
-    if (!term.is.empty()) require_answer(item, term.is, where, term.is_line, "term.is");
-    if (!item.counts_from) continue;
-    refuse_name(where, term.of_line, "term.of", "an item that is no part of the score", term.of);
-  }
-  for (const study::PublishedAnswers& one : design.published) {
-    const study::Item& item =
-        require_item(questions, one.item, "", where, one.item_line, "published.item");
-    for (const auto& [answer, count] : one.counts) {
-      require_answer(item, answer, where, one.counts_line, "a name in published.counts");
-    }
-  }
-}
-
 /// Makes the folder of a study with its files. design.toml is the last one; it makes the study
 /// complete.
 void begin_study(const StudyFolder& at, const PlanOptions& options) {
@@ -131,7 +84,8 @@ void begin_study(const StudyFolder& at, const PlanOptions& options) {
   study::Design design = study::parse_design(text, source.string());
   const fs::path asked = questionnaire_of(design, source);
   const std::string questions = read_study_file(asked);
-  check_items(design, study::parse_questionnaire(questions, asked.string()), source.string());
+  study::check_items(design, study::parse_questionnaire(questions, asked.string()),
+                     source.string());
   const scene::Scenario scenario = scenario_named_in(design, source);
   check_levels(design, scenario, source.string());
   if (!design.seed) {

@@ -17,6 +17,7 @@
 #include "apps/study_folder.h"
 #include "base/output_file.h"
 #include "study/csv.h"
+#include "study/design_checks.h"
 #include "study/power.h"
 #include "study/power_plot.h"
 
@@ -102,6 +103,7 @@ void tell_power(PowerOptions options) {
   const auto asked = questionnaire_of(design, source);
   const study::Questionnaire questions =
       study::parse_questionnaire(read_study_file(asked), asked.string());
+  study::check_items(design, questions, source.string());
   std::vector<study::Power> all;
   try {
     all = powers(options, design, questions);

@@ -173,6 +173,17 @@ nlohmann::json whatif_of(const TrialPage& options) {
           {"map_svg", sweep::map_svg(whatif)}};
 }
 
+/// The page shows both trials at the same ticks.
+void require_same_ticks(const TrialPage& options, const scene::Recorded& a,
+                        const scene::Recorded& b) {
+  const std::int64_t rate = a.scenario.rates.physics_hz, other = b.scenario.rates.physics_hz;
+  if (rate == other) return;
+  throw std::runtime_error(fmt::format(
+      "{}: {} ticks a second; expected {}, as {} has, to show both in one page; `headpin replay` "
+      "with --set rates.physics_hz={} makes such a trial, and `headpin compare` needs none",
+      *options.other, other, rate, options.trial, rate));
+}
+
 }  // namespace
 
 nlohmann::ordered_json write_page(const TrialPage& options) {
@@ -198,6 +209,7 @@ nlohmann::ordered_json write_page(const TrialPage& options) {
   if (options.other) {
     const scene::Recorded other = scene::load_trial(*options.other, longest_gap);
     say_what_is_missing("report", *options.other, other.file.summary());
+    require_same_ticks(options, recorded, other);
     const bool looks_alike =
         recorded.file.summary().header.scenario == other.file.summary().header.scenario;
     add_trial(*options.other,

@@ -231,7 +231,7 @@ void append_extended(double value, std::vector<std::uint8_t>& out) {
 }
 
 void append_float(double value, std::vector<std::uint8_t>& out) {
-  const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(value));
+  const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(value) + 0.0F);  // no -0
   for (int shift = 0; shift < 32; shift += 8) {
     out.push_back(static_cast<std::uint8_t>(bits >> shift));
   }

@@ -43,6 +43,9 @@ FastrakEmulator::FastrakEmulator(FastrakEmulatorOptions options, FastrakMotion m
     return outcome(s).q;
   };
   eeprom_ = factory_setup(Time{0});
+  for (std::size_t s = 0; s < eeprom_.stations.size(); ++s) {
+    eeprom_.stations[s].on = s < static_cast<std::size_t>(options_.receivers);  // once plugged in
+  }
   start_up(Time{0});
   listening_from_ = Time{0};  // the unit is already on and ready
 }

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -17,8 +18,8 @@ namespace headpin::devices {
 CommandPipe::CommandPipe(const std::string& path) {
   if (path.empty()) return;
   if (path == "-") {
-    fd_ = STDIN_FILENO;
-    fcntl(fd_, F_SETFL, fcntl(fd_, F_GETFL) | O_NONBLOCK);
+    fd_ =
+        STDIN_FILENO;  // others have it too: it is asked whether it can be read, and stays as it is
     return;
   }
   if (mkfifo(path.c_str(), 0600) == 0) {
@@ -42,16 +43,22 @@ CommandPipe::~CommandPipe() {
 
 std::vector<std::string> CommandPipe::lines() {
   std::array<char, 65536> bytes{};
-  if (fd_ < 0) return {};
+  pollfd there{fd_, POLLIN, 0};
+  if (fd_ < 0 || ::poll(&there, 1, 0) <= 0) return {};
   const ssize_t n = ::read(fd_, bytes.data(), bytes.size());
   if (n > 0) text_.append(bytes.data(), static_cast<std::size_t>(n));
   if (n == 0) {  // the end of standard input, and of its last line
     fd_ = -1;
     if (!text_.empty()) text_ += '\n';
   }
-  if (text_.size() > kLongest && text_.find('\n') > kLongest) {
-    text_.erase(0, std::min(text_.find('\n'), text_.size()));
+  const std::size_t ends = std::min(text_.find('\n'), text_.size());
+  if (!skips_ && ends > kLongest) {
     ++ignored_;
+    skips_ = true;
+  }
+  if (skips_) {  // up to the end of the line, which may come later
+    skips_ = ends == text_.size();
+    text_.erase(0, ends + 1);
   }
   std::vector<std::string> whole;
   for (std::size_t end = 0; (end = text_.find('\n')) != std::string::npos;) {

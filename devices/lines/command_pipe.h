@@ -33,6 +33,7 @@ class CommandPipe {
  private:
   int fd_ = -1;
   std::string made_, text_;
+  bool skips_ = false;  ///< the rest of a line that is too long
   std::int64_t ignored_ = 0;
 };
 

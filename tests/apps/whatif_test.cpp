@@ -61,8 +61,7 @@ TEST_F(WhatIfCommand, HasTheFastestMomentThatInfoTells) {
     if (speed > fastest) fastest = speed, at_ms = std::stod(row["later_ms"]);
   }
   EXPECT_NEAR(told["fastest_mps"].get<double>(), fastest, 1e-9);
-  EXPECT_NEAR(1e3 * (told["fastest_s"].get<double>() - told["time_s"].get<double>()), at_ms,
-              1e-6);
+  EXPECT_NEAR(1e3 * (told["fastest_s"].get<double>() - told["time_s"].get<double>()), at_ms, 1e-6);
 }
 
 TEST_F(WhatIfCommand, IsAskedUnderAnyCondition) {

@@ -74,11 +74,16 @@ export class Again {
     if (!hasBlock('log')) {
       this.say('The log of this trial is too long to be in the page: drop its file here to simulate it again.');
     }
-    this.starting = engines.Engine.start();
-    this.engine = await this.starting;
-    if (!hasBlock('log')) return;
-    await this.engine.load(await inflated(rawBlock('log')));
-    await this.simulate();
+    this.starting = this.load();
+    await this.starting;
+    if (hasBlock('log') && this.trial === trial) await this.simulate();
+  }
+
+  /** The engine, and the log of the page in it: a file that is opened meanwhile waits. */
+  async load() {
+    const engine = await engines.Engine.start();
+    if (hasBlock('log')) await engine.load(await inflated(rawBlock('log')));
+    this.engine = engine;
   }
 
   setControls(trial) {
@@ -128,8 +133,9 @@ export class Again {
     try {
       while (this.wanted) {
         this.wanted = false;
-        const set = { ...this.set };
+        const set = { ...this.set }, of = this.trial;
         const { trial, milliseconds } = await this.engine.simulate(set);
+        if (of !== this.trial) continue;  // another file was opened, and is simulated next
         this.again = trial;
         this.say(againInWords(this.trial, set, trial, milliseconds));
       }

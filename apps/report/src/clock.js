@@ -54,15 +54,16 @@ export class Clock {
     if (this.tick >= this.lastTick) this.tick = 0;
     this.playing = true;
     let before = performance.now();
+    cancelAnimationFrame(this.frame);  // of a play that was paused within this picture
     const frame = (now) => {
       if (!this.playing) return;
       const tick = this.tick + ((now - before) / 1000) * this.speed * this.rate;
       before = now;
       if (tick >= this.lastTick) this.playing = false;
       this.go(tick);
-      if (this.playing) requestAnimationFrame(frame);
+      if (this.playing) this.frame = requestAnimationFrame(frame);
     };
-    requestAnimationFrame(frame);
+    this.frame = requestAnimationFrame(frame);
     this.changed();
   }
 

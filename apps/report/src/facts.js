@@ -127,7 +127,8 @@ export function differencesTable(differences, a, b) {
 
 /** Units of the values of events, as docs/events.md has them. */
 const kValueUnits = { release: 'm/s', first_contact: 'm/s', touch: 'm/s', ball_touch: 'm/s', hand_touch: 'm/s', missed_grab: 'm',
-  foul: 'm', flies_at_player: 's', passed_player: 'm', tracking_lost: 's', tracking_back: 's' };
+  foul: 'm', flies_at_player: 's', passed_player: 'm', tracking_lost: 's', tracking_back: 's',
+  paused: 's', imported: 's' };
 
 function valueOf(event) {
   return event?.value ? `${number(event.value)} ${kValueUnits[event.kind] ?? ''}`.trim() : kNone;

@@ -21,7 +21,7 @@ export class Trial {
   /** The row at or before a tick, the next one, and how far the tick is between them. */
   rowsAt(tick) {
     const { every, rows } = this.json.drawn;
-    const row = Math.min(Math.floor(tick / every), rows - 1);
+    const row = tick >= this.lastTick ? rows - 1 : Math.min(Math.floor(tick / every), rows - 1);
     const next = Math.min(row + 1, rows - 1);
     const from = row * every;
     const to = Math.min(next * every, this.lastTick);
