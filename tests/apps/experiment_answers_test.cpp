@@ -102,6 +102,27 @@ TEST_F(StudyAnswers, AreAskedOneByOneAndGoneOnWith) {
   expect_refusal("experiment ask study --participant ../x", 2, "found '../x'");
 }
 
+// As an editor saves them: the last line has no end.
+TEST_F(StudyAnswers, OfTheLastLineAreKeptWhoeverWroteIt) {
+  plan(2);
+  const std::string path = "study/answers/p001.csv", whole = "participant,item,answer,source\n";
+  std::filesystem::create_directories(folder_ / "study/answers");
+  spit(folder_ / path, whole + "p001,presence1,6,asked\np001,sick,5,asked");
+  EXPECT_EQ(typed("experiment ask study --participant p001", "").code, 0);
+  EXPECT_EQ(slurp(folder_ / path), whole + "p001,presence1,6,asked\np001,sick,5,asked");
+  spit(folder_ / "forms.csv", "participant,item,answer\np001,presence2,3\n");
+  EXPECT_EQ(headpin("experiment ask study --from forms.csv").code, 0);
+  EXPECT_EQ(slurp(folder_ / path),
+            whole + "p001,presence1,6,asked\np001,sick,5,asked\np001,presence2,3,form\n");
+  // What a crash left is no answer, and is told.
+  spit(folder_ / path, whole + "p001,presence1,6,asked\np001,sick,5,as");
+  spit(folder_ / "forms.csv", "participant,item,answer\np001,presence2,3\n");
+  const Result cut = headpin("experiment ask study --from forms.csv");
+  EXPECT_EQ(cut.code, 0);
+  EXPECT_THAT(cut.err, testing::HasSubstr("its last line is no whole answer"));
+  EXPECT_EQ(slurp(folder_ / path), whole + "p001,presence1,6,asked\np001,presence2,3,form\n");
+}
+
 TEST_F(StudyAnswers, OfPaperFormsAreCheckedBeforeAnyIsKept) {
   plan(3);
   const auto forms = [&](const std::string& text) { std::ofstream(folder_ / "f.csv") << text; };

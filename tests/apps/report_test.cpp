@@ -91,6 +91,9 @@ TEST_F(Report, RefusesWhatItCannotShowOrFillIn) {
   expect_refusal("report " + kDemo + " -o OUT.html --page other.html", 1, "headpin:data");
   expect_refusal("report " + kDemo + " -o OUT.html --page none.html", 1, "none.html");
   expect_refusal("report " + kDemo + " none.lcmlog -o OUT.html --page page.html", 1, "none.lcmlog");
+  ASSERT_EQ(headpin("replay " + kDemo + " --set rates.physics_hz=480 -o fast.lcmlog").code, 0);
+  expect_refusal("report " + kDemo + " fast.lcmlog -o OUT.html --page page.html", 1,
+                 "480 ticks a second; expected 240");
   expect_refusal("report " + kDemo, 2, "--output");
   write("there.html", "mine");
   EXPECT_EQ(headpin("report " + kDemo + " -o there.html --page page.html").code, 1);

@@ -30,18 +30,36 @@ TEST(LineFile, LinesAreAddedAndReadAgain) {
   EXPECT_EQ(LineFile(path).text(), "one\ntwo\nthree\n");
 }
 
-TEST(LineFile, HalfALineOfACrashIsCutOff) {
+TEST(LineFile, HalfALineIsCutOffWhereThatIsAskedFor) {
   const TemporaryFolder folder;
   const std::string path = (folder / "lines").string();
   spit(path, "one\ntw");
   {
     LineFile file(path);
-    EXPECT_EQ(file.text(), "one\n");
+    EXPECT_EQ(file.text(), "one\ntw");
+    EXPECT_EQ(file.whole_lines(), "one\n");
+    file.cut_last_line();
     file.append("two\n");
   }
   EXPECT_EQ(slurp(path), "one\ntwo\n");
-  spit(path, "on");
-  EXPECT_EQ(LineFile(path).text(), "");
+}
+
+// As editors leave them: without the last end, or with the ends of old Macintoshes.
+TEST(LineFile, ALastLineWithoutAnEndIsKeptAndGetsItsEnd) {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "lines").string();
+  for (const auto& [before, after] : {std::pair{"one\ntwo", "one\ntwo\nthree\n"},
+                                      {"one", "one\nthree\n"},
+                                      {"one\rtwo\r", "one\rtwo\rthree\n"},
+                                      {"one\r\n", "one\r\nthree\n"}}) {
+    spit(path, before);
+    {
+      LineFile file(path);
+      EXPECT_EQ(slurp(path), before) << "it was only opened";
+      file.append("three\n");
+    }
+    EXPECT_EQ(slurp(path), after);
+  }
 }
 
 TEST(LineFile, IsOpenForOneAlone) {

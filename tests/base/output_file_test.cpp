@@ -373,5 +373,18 @@ TEST_F(OutputFileTest, ThePartOfAnotherUsersProcessStays) {
   EXPECT_TRUE(fs::exists(folder_ / "b.1-0.part"));
 }
 
+// A process on another machine is not seen here, but its lock is.
+TEST_F(OutputFileTest, WhatSomebodyElsewhereWritesIsNotLeft) {
+  const fs::path part = folder_ / "a.999999999-0.part";
+  spit(part, "of another machine");
+  const int writer = open(part.c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_TRUE(lock(writer));
+  remove_left_parts(folder_.path().string());
+  EXPECT_TRUE(fs::exists(part));
+  close(writer);
+  remove_left_parts(folder_.path().string());
+  EXPECT_FALSE(fs::exists(part));
+}
+
 }  // namespace
 }  // namespace headpin::base

@@ -45,8 +45,15 @@ TEST(CommandPipeTest, IgnoresWhatIsLongerThanALine) {
   EXPECT_THAT(pipe.lines(), ElementsAre(std::string(CommandPipe::kLongest, 'x')));
   EXPECT_EQ(pipe.ignored(), 0);
   write_to(path, std::string(CommandPipe::kLongest + 1, 'x') + "\npress\n");
-  EXPECT_THAT(pipe.lines(), ElementsAre("", "press"));
+  EXPECT_THAT(pipe.lines(), ElementsAre("press"));
   EXPECT_EQ(pipe.ignored(), 1);
+  write_to(path, std::string(CommandPipe::kLongest + 1, 'x'));
+  EXPECT_THAT(pipe.lines(), IsEmpty());
+  write_to(path, "quit");  // still that line
+  EXPECT_THAT(pipe.lines(), IsEmpty());
+  write_to(path, "\npress\n");
+  EXPECT_THAT(pipe.lines(), ElementsAre("press"));
+  EXPECT_EQ(pipe.ignored(), 2);
 }
 
 TEST(CommandPipeTest, RemovesThePipeThatItMadeAndNoOther) {
@@ -76,8 +83,10 @@ TEST(CommandPipeTest, TheLastLineOfStandardInputNeedsNoEnd) {
   dup2(ends[0], STDIN_FILENO);
   ASSERT_EQ(::write(ends[1], "press\nquit", 10), 10);
   ::close(ends[1]);
+  const int flags = fcntl(STDIN_FILENO, F_GETFL);
   {
     CommandPipe pipe("-");
+    EXPECT_EQ(fcntl(STDIN_FILENO, F_GETFL), flags) << "others read it too";
     EXPECT_THAT(pipe.lines(), ElementsAre("press"));
     EXPECT_THAT(pipe.lines(), ElementsAre("quit"));
     EXPECT_THAT(pipe.lines(), IsEmpty());

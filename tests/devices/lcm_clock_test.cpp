@@ -64,6 +64,19 @@ TEST(LcmClock, OfAPublisherWhoseSamplesComeOutOfOrderGoesOn) {
   EXPECT_EQ(source.intake().counts().clock_jumps, 0);
 }
 
+// A Fastrak's status is a space or a letter; what another one means nobody knows.
+TEST(PlausibleSample, HasAStatusOfTheFastrak) {
+  TrackerSample sample = sample_at(10'000, 1);
+  for (const char good : {' ', 'a', 'A', 'z'}) {
+    sample.status = good;
+    EXPECT_TRUE(plausible(Sample(sample))) << good;
+  }
+  for (const char no : {'\0', '\xff', '3', '\n', ','}) {
+    sample.status = no;
+    EXPECT_FALSE(plausible(Sample(sample))) << static_cast<int>(no);
+  }
+}
+
 // As a logger writes what two threads send: neighbours are in the other order.
 TEST(LogSource, PlaysMessagesThatAreOutOfOrderAtTheirPace) {
   const std::filesystem::path path = fresh_folder("clock") / "swapped.lcmlog";

@@ -6,6 +6,7 @@
 #include <set>
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include "base/random.h"
 #include "study/bids_read.h"
@@ -104,6 +105,23 @@ TEST_F(MotionBids, EachStationIsATrackingSystemOfItsOwn) {
     systems.insert(name.substr(from, name.find('_', from) - from));
   }
   EXPECT_THAT(systems, testing::IsSupersetOf({"head", "hand", "lefthand", "station4"}));
+}
+
+// "RAS": x to the right, y to the front, z up.
+TEST_F(MotionBids, AxesOfATrackerAreThoseOfItsTransmitterInTheRoom) {
+  const auto axes_with = [&](const Quat& q_WT) {
+    BidsSession session{"p001", "01", &header_, any_samples(7), {}};
+    session.q_WT = q_WT;
+    for (const auto& [name, text] : session_files(session)) {
+      if (!name.ends_with("_tracksys-hand_run-01_channels.json")) continue;
+      const auto frame = nlohmann::json::parse(text)["reference_frame"];
+      return frame["Levels"]["global"]["SpatialAxes"].get<std::string>();
+    }
+    return std::string();
+  };
+  EXPECT_EQ(axes_with(Quat::Identity()), "RAS");
+  EXPECT_EQ(axes_with(Quat(0.0, std::sqrt(0.5), -std::sqrt(0.5), 0.0)), "PLI");
+  EXPECT_EQ(axes_with(Quat(std::sqrt(0.5), std::sqrt(0.5), 0.0, 0.0)), "RSP");  // y up, z back
 }
 
 /// A table without its last columns.

@@ -25,6 +25,12 @@ TEST(Fit, OfAConstantIsTheLogitOfTheShare) {
   EXPECT_NEAR(fit.deviance, 2 * pair_15 + 2 * pair_24, 1e-9);
 }
 
+TEST(Fit, OfNothingIsAHalf) {
+  const Fit fit = fit_binomial(Eigen::MatrixXd(2, 0), Eigen::Vector2d(3, 6), 6);
+  ASSERT_TRUE(fit.converged);
+  EXPECT_NEAR(fit.deviance, 2.0 * 6.0 * std::log(2.0), 1e-9);  // 3 of 6 is a half itself
+}
+
 // At the maximum of the likelihood its slope is nothing: X'(y - n p) = 0.
 TEST(Fit, TheSlopeOfTheLikelihoodIsNothing) {
   Random random(7);
@@ -68,6 +74,17 @@ TEST(Power, GrowsWithPeopleAndIsChanceWithoutAnEffect) {
   EXPECT_GT(few.separated, many.separated);
   const Power again = power_of(design, questions, 36, 80, 1, nothing);
   EXPECT_EQ(again.terms[4].found, few.terms[4].found);
+}
+
+TEST(Power, IsThereForADesignOfOneTerm) {
+  Design design = bundled_design();
+  design.terms.resize(1);
+  design.terms[0] = {};
+  design.terms[0].name = "const";
+  design.terms[0].estimate = -1.5;
+  const Power power = power_of(design, bundled_questions(), 36, 20, 1, [] {});
+  ASSERT_EQ(power.terms.size(), 1u);
+  EXPECT_GT(power.terms[0].found, 0.95);
 }
 
 }  // namespace

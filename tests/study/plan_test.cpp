@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "study/design_checks.h"
+#include "study/model.h"
 #include "tests/study/study_files.h"
 
 namespace headpin::study {
@@ -187,8 +189,53 @@ TEST(Designs, WhatIsWrongIsSaidWithFileAndLine) {
   EXPECT_THAT(says("[[row]]", "[[row"), HasSubstr("not TOML"));
   EXPECT_THAT(says("cell = '000'", "cell = '000'\nsex = 1"),
               HasSubstr("unknown key 'row.sex'; known here: cell, changed, people"));
+  const std::size_t published = text.find("[[published]]");
+  const std::string block = text.substr(published, text.find("[[", published + 2) - published);
+  EXPECT_THAT(says(block, block + block), HasSubstr("published.item must be another one"));
   EXPECT_EQ(says("counts = {yes = 7,", "counts = {yes = -7,"),
             "d.toml:161: published.counts.yes must be a whole number from 0 on, found -7");
+}
+
+Term term(const std::string& name, const std::string& of, const std::string& is = "") {
+  Term one;
+  one.name = name;
+  one.of = of;
+  one.is = is;
+  return one;
+}
+
+TEST(Designs, HaveItemsThatTablesCanHave) {
+  const Design design = bundled_design();
+  const std::string text = slurp(HEADPIN_SOURCE_DIR "/assets/questionnaires/uno-slater-1997.toml");
+  const auto says = [&](const Design& one, const std::string& from = "",
+                        const std::string& to = "") {
+    std::string changed = text;
+    if (!from.empty()) changed.replace(changed.find(from), from.size(), to);
+    return complaint([&] { check_items(one, parse_questionnaire(changed, "q.toml"), "d.toml"); });
+  };
+  EXPECT_EQ(says(design), "");
+  EXPECT_THAT(says(design, "id = 'occupation'", "id = 'place'"), HasSubstr("an item 'place'"));
+  Design other = design;
+  other.terms.push_back(term("F2", "F", "2"));
+  EXPECT_THAT(says(other), HasSubstr("term.is must be 0 or 1, a level of the factor, found '2'"));
+  other = design;
+  other.terms.push_back(term("before", "vrbefore"));
+  EXPECT_THAT(says(other), HasSubstr("term.of must be with `is`"));
+}
+
+// A level that is 1 where another is 0; of others, an answer is not asked for.
+TEST(Designs, ATermMayBeOfTheOtherLevelAndOfSomePeople) {
+  Design design = bundled_design();
+  const Term one = term("F", "F"), zero = term("F0", "F", "0");
+  for (std::size_t row = 0; row < design.rows.size(); ++row) {
+    Allotted allotted;
+    allotted.row = row;
+    EXPECT_EQ(*value_of(one, design, allotted, {}) + *value_of(zero, design, allotted, {}), 1.0);
+  }
+  EXPECT_EQ(in_r(zero, design), "1 * (p$F == \"0\")");
+  Term some = term("s", "sick");
+  some.changed = 1;
+  EXPECT_EQ(in_r(some, design), "ifelse(p$changed == \"friction\", p$sick, 0)");
 }
 
 // Each of these hides a key that must be given.
@@ -216,6 +263,7 @@ TEST(Questionnaires, WhatIsWrongIsSaidWithFileAndLine) {
   };
   EXPECT_THAT(says("id = 'presence2'", "id = 'presence1'"), HasSubstr("item.id must be another"));
   EXPECT_THAT(says("id = 'presence2'", "id = 'two words'"), HasSubstr("item.id must be 1 to 32"));
+  EXPECT_THAT(says("id = 'sick'", "id = 'next'"), HasSubstr("item.id must be another word"));
   EXPECT_THAT(says("high = 7", "high = 1"), HasSubstr("item.high must be a whole number from 2"));
   EXPECT_THAT(says("counts_from = 6", "counts_from = 8"), HasSubstr("item.counts_from must be"));
   EXPECT_THAT(says("'en', 'de'", "'en', 'de', 'ja'"),

@@ -259,6 +259,9 @@ TEST(WhatIf, AxesHaveTheirEndsAndTheirMiddle) {
   EXPECT_EQ(axis[8], 0.0);
   EXPECT_EQ(axis.back(), 4.0);
   EXPECT_EQ(evenly(0.8, 1.2, 9)[4], 1.0);
+  EXPECT_EQ(evenly(-1.0, 2.0, 4)[1], 0.0);
+  EXPECT_EQ(evenly(-0.3, 0.1, 5)[3], 0.0);
+  EXPECT_EQ(evenly(0.7, 1.1, 5)[3], 1.0);
   EXPECT_THAT(evenly(0.3, 7.0, 1), ElementsAre(0.3));
   const ReleaseGrid grid{{0.9, 1.0, 1.1}, {-1, 1}, {0.0}, {-5, 0, 5, 10}};
   const std::vector<Release> releases = releases_of(grid);
