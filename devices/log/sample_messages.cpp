@@ -78,23 +78,24 @@ bool near(Time valid, Time told) {
   return told - kMost <= valid && valid <= told + kMost;
 }
 
-/// A Fastrak's status is a space, or the letter of an error.
-bool is_status(char status) {
-  return status == ' ' || (status >= 'A' && status <= 'Z') || (status >= 'a' && status <= 'z');
-}
-
 struct PlausibleSample {
   bool operator()(const TrackerSample& s) const {
     constexpr std::int64_t kMostSamples = 1'000'000'000'000'000;
     constexpr double kReachOfEarth = 1e8;  // from any origin on Earth [m]
     return plausible_times(s) && plausible(s.sent_time) && near(s.device_time, s.told()) &&
            plausible(s.X_TS) && s.X_TS.p.cwiseAbs().maxCoeff() <= kReachOfEarth &&
-           s.sequence >= 0 && s.sequence < kMostSamples && is_status(s.status);
+           s.sequence >= 0 && s.sequence < kMostSamples;
   }
   bool operator()(const MouseSample& s) const { return plausible_times(s); }
 };
 
 }  // namespace
+
+char status_letter(const TrackerSample& sample) {
+  const char status = sample.status;
+  const bool letter = (status >= 'A' && status <= 'Z') || (status >= 'a' && status <= 'z');
+  return letter || status == ' ' ? status : 'x';
+}
 
 void encode(const TrackerSample& sample, Buffer& out) {
   tracked_device_t m;

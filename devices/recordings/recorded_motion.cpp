@@ -9,6 +9,7 @@
 #include "devices/base/resample.h"
 #include "devices/fastrak/codec.h"
 #include "devices/fastrak/geometry.h"
+#include "devices/log/sample_messages.h"
 
 namespace headpin::devices {
 namespace {
@@ -66,7 +67,7 @@ struct Recording {
     if (tracker.station < 1 || tracker.station > kFastrakStations) return;
     StationTrack& station = stations[static_cast<std::size_t>(tracker.station - 1)];
     station.poses.push(tracker.device_time, tracker.X_TS);
-    station.errors.push(tracker.device_time, tracker.status);
+    station.errors.push(tracker.device_time, status_letter(tracker));
     station.switches.push(tracker.device_time, (tracker.buttons & 1) != 0);
   }
   void take(const MouseSample& mouse) { trigger.push(mouse.device_time, mouse.trigger); }

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "devices/base/sources.h"
+#include "devices/log/sample_messages.h"
 #include "scene/record/table_fields.h"
 
 namespace headpin::scene {
@@ -78,9 +79,10 @@ std::vector<TableField<TrackerRow>> tracker_fields() {
              "position of the receiver in that frame", "its rotation, a unit quaternion") +
          std::vector<TableField<Row>>{
              {"status", "text", "",
-              "empty if the sample is good, else the error letter of the Fastrak",
+              "empty if the sample is good, else the error letter of the Fastrak; x where it is no letter",
               [](const Row& r) -> TableValue {
-                return r.sample.good() ? std::string() : std::string(1, r.sample.status);
+                return r.sample.good() ? std::string()
+                                       : std::string(1, devices::status_letter(r.sample));
               }},
              {"stylus", "yes/no", "", "state of the stylus switch",
               [](const Row& r) -> TableValue { return (r.sample.buttons & 1) != 0; }},

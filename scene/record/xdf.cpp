@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "devices/base/sources.h"
+#include "devices/log/sample_messages.h"
 
 namespace headpin::scene {
 namespace {
@@ -158,7 +159,7 @@ class TrialToXdf {
     const Quat& q = s.X_TS.q;
     writer_.add(streams_.at(devices::device_at(s.station)), nearest_seconds(s.device_time),
                 std::array{p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(),
-                           s.good() ? 0.0 : static_cast<double>(s.status),
+                           s.good() ? 0.0 : static_cast<double>(devices::status_letter(s)),
                            static_cast<double>(s.buttons & 1), nearest_seconds(s.host_time),
                            nearest_seconds(s.session_time), static_cast<double>(s.sequence),
                            static_cast<double>(order_), nearest_seconds(s.sent_time),
