@@ -9,7 +9,6 @@
 #include <fmt/ranges.h>
 
 #include "devices/base/sources.h"
-#include "devices/log/sample_messages.h"
 #include "scene/record/table_fields.h"
 
 namespace headpin::scene {
@@ -79,10 +78,11 @@ std::vector<TableField<TrackerRow>> tracker_fields() {
              "position of the receiver in that frame", "its rotation, a unit quaternion") +
          std::vector<TableField<Row>>{
              {"status", "text", "",
-              "empty if the sample is good, else the error letter of the Fastrak; x where it is no letter",
+              "empty if the sample is good, else the error letter of the Fastrak; x where it is no character",
               [](const Row& r) -> TableValue {
-                return r.sample.good() ? std::string()
-                                       : std::string(1, devices::status_letter(r.sample));
+                if (r.sample.good()) return std::string();
+                const char status = r.sample.status;
+                return std::string(1, status > ' ' && status < '\x7f' ? status : 'x');
               }},
              {"stylus", "yes/no", "", "state of the stylus switch",
               [](const Row& r) -> TableValue { return (r.sample.buttons & 1) != 0; }},

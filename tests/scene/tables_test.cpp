@@ -162,6 +162,9 @@ TEST(Tables, SamplesReadBackToTheBit) {
   EXPECT_EQ(row.at("position_estimated"), "1");
   EXPECT_EQ(row.at("orientation_estimated"), "0");
   EXPECT_EQ(trackers[1].at("status"), "");
+  Trial unset = trial;
+  std::get<devices::TrackerSample>(unset.samples[0]).status = '\0';
+  EXPECT_EQ(table("trackers", unset)[0].at("status"), "x");
   EXPECT_EQ(time(buttons[0].at("device_time_s")), Time{-3});
   EXPECT_EQ(buttons[0].at("left_thumb"), "0");
   EXPECT_EQ(buttons[0].at("right_thumb"), "1");
