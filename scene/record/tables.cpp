@@ -78,7 +78,8 @@ std::vector<TableField<TrackerRow>> tracker_fields() {
              "position of the receiver in that frame", "its rotation, a unit quaternion") +
          std::vector<TableField<Row>>{
              {"status", "text", "",
-              "empty if the sample is good, else the error letter of the Fastrak; x where it is no character",
+              "empty if the sample is good, else the error letter of the Fastrak; x where it is no "
+              "character",
               [](const Row& r) -> TableValue {
                 if (r.sample.good()) return std::string();
                 const char status = r.sample.status;
