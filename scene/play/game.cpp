@@ -150,8 +150,9 @@ void note_strays(Game& game, const Tick& tick) {
 /// The first of this tick's events that belongs to the game: those before its version began are
 /// another game's.
 std::size_t first_of_game(const std::vector<Event>& events) {
-  const auto begun = std::ranges::find(events.rbegin(), events.rend(), kind::version, &Event::kind);
-  return static_cast<std::size_t>(events.rend() - begun);
+  std::size_t first = events.size();
+  while (first > 0 && events[first - 1].kind != kind::version) --first;
+  return first;
 }
 
 /// For each ball that was released in this tick: stores that it has not struck a skittle yet, and

@@ -1,7 +1,6 @@
 #include "scene/play/session.h"
 
 #include <algorithm>
-#include <iterator>
 #include <span>
 #include <utility>
 
@@ -58,8 +57,9 @@ std::optional<std::size_t> button_at_hand(const Session& s, Time now) {
 engine::World count_ahead(const Session& s, const Moment& moment, std::vector<Event>& out) {
   engine::World world = s.world;
   std::vector<Event> now;
-  std::ranges::copy_if(s.events, std::back_inserter(now),
-                       [](const Event& e) { return e.kind == kind::release && is_of_ball(e); });
+  for (const Event& e : s.events) {
+    if (e.kind == kind::release && is_of_ball(e)) now.push_back(e);
+  }
   if (s.scenario().game.ends != BallEnds::rest || (!s.game.thrown && now.empty())) {
     if (auto path = ball_path_so_far(s.game, world, moment)) out.push_back(std::move(*path));
     return world;
