@@ -1,5 +1,9 @@
 #include "apps/answer_file.h"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 #include <fmt/format.h>
 
 #include "apps/streams.h"
@@ -8,6 +12,30 @@
 namespace headpin::apps {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// Whether a line without an end is only the beginning of one that headpin writes: of the heading, of
+/// the cells, or of the word of the source.
+bool is_torn(std::string_view line, bool is_heading) {
+  if (line.empty()) return false;
+  if (is_heading) return study::answers_heading().starts_with(line);
+  if (std::ranges::count(line, ',') < 3) return true;
+  const std::string_view last = line.substr(line.rfind(',') + 1);
+  const std::array<std::string_view, 3> sources = {study::kAsked, study::kForm, study::kDrawn};
+  return std::ranges::any_of(
+      sources, [&](std::string_view source) { return source != last && source.starts_with(last); });
+}
+
+/// Lines are added as answer_line() writes them.
+void require_commas(const std::string& text, const std::string& path) {
+  if (text.empty() || study::parse_csv(text, path).separator == ',') return;
+  throw std::runtime_error(path +
+                           ":1: expected commas between the columns, found semicolons or tabs; "
+                           "save the file as CSV with commas");
+}
+
+}  // namespace
 
 void refuse_others(const study::Answers& there, const study::Answers& others,
                    const std::string& from, const fs::path& path, const std::string& id) {
@@ -23,18 +51,15 @@ AnswerFile::AnswerFile(const Study& study, const std::string& id)
     : id_(id), path_(study.at.answers(id)) {
   fs::create_directories(path_.parent_path());
   file_.emplace(path_.string());
-  const auto read = [&](const std::string& text) {
-    return study::parse_answers(text, path_.string(), study.questions, id);
-  };
-  try {
-    answers = read(file_->text());
-  } catch (const std::exception&) {
-    if (file_->whole_lines() == file_->text()) throw;
-    answers = read(file_->whole_lines());  // a crash may have left a part of a line
-    say("{}: its last line is no whole answer, as a crash leaves it: removed\n", path_.string());
-    file_->cut_last_line();
-  }
-  require_commas();
+  const std::string whole = file_->whole_lines(), rest = file_->text().substr(whole.size());
+  const bool torn = is_torn(rest, whole.empty());
+  const std::string& text = torn ? whole : file_->text();
+  require_commas(text, path_.string());
+  answers = study::parse_answers(text, path_.string(), study.questions, id);
+  if (!torn) return;
+  say("{}: its last line is no whole answer, as a crash leaves it; removed: {}\n", path_.string(),
+      study::shown(rest));
+  file_->cut_last_line();
 }
 
 void AnswerFile::add(const study::Answers& more) {
@@ -53,15 +78,6 @@ std::size_t AnswerFile::add_all(const study::Answers& others, const std::string&
   }
   if (!more.empty()) add(more);
   return more.size();
-}
-
-/// Lines are added as answer_line() writes them.
-void AnswerFile::require_commas() const {
-  const std::string& text = file_->text();
-  if (text.empty() || study::parse_csv(text, path_.string()).separator == ',') return;
-  throw std::runtime_error(path_.string() +
-                           ":1: expected commas between the columns, found semicolons or tabs; "
-                           "save the file as CSV with commas");
 }
 
 }  // namespace headpin::apps

@@ -35,8 +35,6 @@ class AnswerFile {
   study::Answers answers;
 
  private:
-  void require_commas() const;
-
   std::string id_;
   std::filesystem::path path_;
   std::optional<base::LineFile> file_;

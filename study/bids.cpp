@@ -103,7 +103,7 @@ std::string channels_tsv(const std::vector<Channel>& channels) {
 }
 
 /// @param axes  where +x, +y and +z point
-Json channels_json(const char* axes, const std::string& meaning) {
+Json channels_json(const std::string& axes, const std::string& meaning) {
   return {
       {"reference_frame",
        {{"Description", meaning},
@@ -222,9 +222,8 @@ void add_tracker(const BidsSession& session, std::int32_t station, std::size_t s
   files.emplace_back(name_of(session, system, "motion.tsv"), rows);
   files.emplace_back(name_of(session, system, "motion.json"), sidecar.dump(2) + "\n");
   files.emplace_back(name_of(session, system, "channels.tsv"), channels_tsv(channels));
-  files.emplace_back(
-      name_of(session, system, "channels.json"),
-      channels_json(axes_of(session.q_WT).c_str(), meaning_of(session.q_WT)).dump(2) + "\n");
+  files.emplace_back(name_of(session, system, "channels.json"),
+                     channels_json(axes_of(session.q_WT), meaning_of(session.q_WT)).dump(2) + "\n");
 }
 
 const std::vector<std::string> kEventColumns = {

@@ -36,7 +36,8 @@ struct DesignRow {
 struct Term {
   std::string name;  ///< as it is published
   std::string of;    ///< a factor's letter, an item of the questionnaire; empty: 1
-  std::string is;    ///< of an item: 1 where that is the answer, else 0
+  std::string
+      is;  ///< of an item: 1 where that is the answer, else 0; of a factor: its level, 0 or 1
   std::optional<std::size_t> changed;  ///< 0 where another factor changes
   std::optional<std::size_t> unless;   ///< 0 where this factor changes
   std::optional<double> estimate, se;  ///< as published

@@ -46,8 +46,8 @@ void Result::tick(const scene::Session& session) {
 const Frames::value_type* Result::recorded_now(const scene::Session& session) const {
   const std::int64_t there = session.tick * rates_.physics_hz;
   const std::int64_t rate = session.scenario().rates.physics_hz;
-  if (!recorded_ || there % rate != 0)
-    return nullptr;  // between two ticks of the recorded condition
+  // No tick of the recorded condition is at this time.
+  if (!recorded_ || there % rate != 0) return nullptr;
   const std::optional<std::int64_t> frame = frame_of(there / rate, rates_);
   if (!frame || *frame >= std::ssize(*recorded_)) return nullptr;
   return &(*recorded_)[static_cast<std::size_t>(*frame)];

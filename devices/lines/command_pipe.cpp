@@ -18,8 +18,8 @@ namespace headpin::devices {
 CommandPipe::CommandPipe(const std::string& path) {
   if (path.empty()) return;
   if (path == "-") {
-    fd_ =
-        STDIN_FILENO;  // others have it too: it is asked whether it can be read, and stays as it is
+    // Other programs have it open too, so its flags stay as they are.
+    fd_ = STDIN_FILENO;
     return;
   }
   if (mkfifo(path.c_str(), 0600) == 0) {

@@ -16,11 +16,11 @@ constexpr std::string_view kMouseChannel = "MOUSE3D";
 
 using Buffer = std::vector<std::uint8_t>;
 
-/// Writes the message into `out`, which is resized; its memory is reused.
 /// The status of a sample as a Fastrak may send it: a space, or a letter. It is 'x' for any other one,
 /// such as the 0 of a publisher that sets none.
 char status_letter(const TrackerSample& sample);
 
+/// Writes the message into `out`, which is resized; its memory is reused.
 void encode(const TrackerSample& sample, Buffer& out);
 void encode(const MouseSample& sample, Buffer& out);
 

@@ -26,8 +26,8 @@ std::optional<Pose> in_room(const Session& s, const devices::PoseTrack& track, T
 /// X_WH; nothing while it is away.
 std::optional<Pose> hand_at(const Session& s, Time now) {
   const Rig& rig = s.scenario().rig;
-  if (hand_is_away(s.player, rig, now - microseconds(rig.delay_s))) return std::nullopt;
-  return in_room(s, s.player.hand, now);
+  const auto X_PH = present_hand(s.player, rig, now - microseconds(rig.delay_s));
+  return X_PH ? std::optional(s.player.walk.X_WP() * *X_PH) : std::nullopt;
 }
 
 bool has_buttons(const Session& s) {

@@ -94,9 +94,10 @@ inline constexpr auto kEventKinds = std::to_array<EventKind>({
     {kind::delivery, "a ball was counted; bodies has the skittles that it knocked down", "",
      "number that counts: 0 after a foul if the rules say so"},
     {kind::ball_path,
-     "a thrown ball left the lane, came to rest or was counted, or its game or the trial ended; detail has its way in the words of "
-     "coaches as JSON: release, end of loft, skid and hook, breakpoint, entry, exit, track flare; "
-     "boards count from the right gutter, distances from the foul line, angles to the right",
+     "a thrown ball left the lane, came to rest or was counted, or its game or the trial ended; "
+     "detail has its way in the words of coaches as JSON: release, end of loft, skid and hook, "
+     "breakpoint, entry, exit, track flare; boards count from the right gutter, distances from the "
+     "foul line, angles to the right",
      "its centre", ""},
     {kind::ball_back, "a ball came back to its stand", "its stand", ""},
     {kind::frame, "a frame of the game ended", "", "its number, from 1"},

@@ -117,8 +117,19 @@ TEST_F(StudyAnswers, OfTheLastLineAreKeptWhoeverWroteIt) {
   // What a crash left is no answer, and is told.
   spit(folder_ / path, whole + "p001,presence1,6,asked\np001,sick,5,as");
   const Result cut = typed("experiment ask study --participant p001", "");
-  EXPECT_THAT(cut.err, testing::HasSubstr("its last line is no whole answer"));
+  EXPECT_THAT(cut.err, testing::HasSubstr("as a crash leaves it; removed: p001,sick,5,as\n"));
   EXPECT_EQ(slurp(folder_ / path), whole + "p001,presence1,6,asked\n");
+  // A table of another program stays as it is.
+  const std::string foreign = "participant;item;answer;source\np001;presence1;6;asked\np001;sick";
+  spit(folder_ / path, foreign);
+  EXPECT_THAT(typed("experiment ask study --participant p001", "").err,
+              testing::HasSubstr("expected commas"));
+  EXPECT_EQ(slurp(folder_ / path), foreign);
+  // A whole line that is wrong is somebody's, and stays.
+  spit(folder_ / path, whole + "p001,presence1,6,asked\np001,sick,9,asked");
+  EXPECT_THAT(typed("experiment ask study --participant p001", "").err,
+              testing::HasSubstr("p001.csv:3:"));
+  EXPECT_EQ(slurp(folder_ / path), whole + "p001,presence1,6,asked\np001,sick,9,asked");
 }
 
 TEST_F(StudyAnswers, OfPaperFormsAreCheckedBeforeAnyIsKept) {

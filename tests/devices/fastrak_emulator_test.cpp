@@ -340,6 +340,22 @@ TEST(FastrakFaultTest, AnUnpluggedReceiverSaysSoAndIsMissedAtTheNextStart) {
   EXPECT_EQ(unit.ask("l1\r"), "21l1000\r\n");
 }
 
+TEST(FastrakFaultTest, AReceiverThatIsPluggedInIsThereAtTheNextStart) {
+  Unit unit(with_faults("noise=0,unplug=2@0-2"));
+  EXPECT_EQ(unit.ask("l1\r"), "21l1000\r\n");
+  unit.listen(2200ms);
+  unit.emulator.power_cycle(unit.now);
+  unit.listen(11s);
+  EXPECT_EQ(unit.ask("l1\r"), "21l1100\r\n");
+}
+
+TEST(FastrakEmulatorTest, ABinaryZeroHasNoSign) {
+  Unit unit(Unit::quiet(), at(Vec3(0.5, 0, 0)));
+  unit.ask("O4\r");
+  unit.ask("f");
+  EXPECT_EQ(unit.ask("P").substr(3), std::string(12, '\0'));
+}
+
 TEST(FastrakFaultTest, DropoutLosesItsShareWhole) {
   Unit unit(with_faults("dropout=0.25"));
   unit.type("C");

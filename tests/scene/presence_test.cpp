@@ -37,19 +37,28 @@ struct Standing {
   }
 };
 
-/// A ball in the air without gravity, from 3 m ahead towards a point beside the one who stands.
-std::vector<Event> events_of_flight(const std::vector<devices::Sample>& samples, const Vec3& beside,
-                                    double speed) {
+/// A session without gravity in which a ball flies back.
+///
+/// @param from   its place, from the one who stands [m]
+/// @param speed  [m/s]
+Session flying_from(const Vec3& from, double speed) {
   Scenario scenario;
   scenario.collision.gravity = 0.0;
   scenario.hand.solid = false;
   Session session = make_session(scenario);
   const engine::BodyId ball = session.stage->balls.front();
   engine::State state;
-  state.X_WB.p = kStandsAt + beside + Vec3(0.0, 3.0, 0.0);
+  state.X_WB.p = kStandsAt + from;
   state.v_WB = Vec3(0.0, -speed, 0.0);
   engine::set_kind(session.world, ball, engine::Kind::free);
   engine::set_state(session.world, ball, state);
+  return session;
+}
+
+/// A ball in the air without gravity, from 3 m ahead towards a point beside the one who stands.
+std::vector<Event> events_of_flight(const std::vector<devices::Sample>& samples, const Vec3& beside,
+                                    double speed) {
+  Session session = flying_from(beside + Vec3(0.0, 3.0, 0.0), speed);
   devices::ReplaySource source(samples);
   std::vector<Event> events;
   while (session.now() < Time{1'900'000}) {
@@ -254,16 +263,8 @@ TEST(Presence, TheClosestApproachOfASkittleIsThatOfItsSurface) {
 
 // A ball that is brought back to its stand is near the head there, and did not fly there.
 TEST(Presence, WhatIsTakenOutOfTheAirWasNoNearerThanItFlew) {
-  Scenario scenario;
-  scenario.collision.gravity = 0.0;
-  scenario.hand.solid = false;
-  Session session = make_session(scenario);
+  Session session = flying_from(Vec3(0.0, 3.0, 0.0), kFlight);
   const engine::BodyId ball = session.stage->balls.front();
-  engine::State state;
-  state.X_WB.p = kStandsAt + Vec3(0.0, 3.0, 0.0);
-  state.v_WB = Vec3(0.0, -kFlight, 0.0);
-  engine::set_kind(session.world, ball, engine::Kind::free);
-  engine::set_state(session.world, ball, state);
   devices::ReplaySource source(Standing{}.samples());
   std::optional<double> closest;
   double flown_to = 0.0;
@@ -281,20 +282,12 @@ TEST(Presence, WhatIsTakenOutOfTheAirWasNoNearerThanItFlew) {
     }
   }
   ASSERT_TRUE(closest);
-  EXPECT_NEAR(*closest, flown_to - scenario.ball.radius, 0.05);  // the hand is a little nearer
+  EXPECT_NEAR(*closest, flown_to - session.scenario().ball.radius,
+              0.05);  // the hand is a little nearer
 }
 
 TEST(Presence, WhatHasPassedIsToldOnce) {
-  Scenario scenario;
-  scenario.collision.gravity = 0.0;
-  scenario.hand.solid = false;
-  Session session = make_session(scenario);
-  const engine::BodyId ball = session.stage->balls.front();
-  engine::State state;
-  state.X_WB.p = kStandsAt + Vec3(-0.3, 1.0, -0.1);
-  state.v_WB = Vec3(0.0, -kFlight, 0.0);
-  engine::set_kind(session.world, ball, engine::Kind::free);
-  engine::set_state(session.world, ball, state);
+  Session session = flying_from(Vec3(-0.3, 1.0, -0.1), kFlight);
   devices::ReplaySource source(Standing{}.samples());
   int passed = 0;
   while (session.now() < Time{700'000}) {  // then it is back from the wall

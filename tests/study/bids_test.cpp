@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/random.h"
+#include "scene/record/events.h"
 #include "study/bids_read.h"
 #include "tests/support/folder.h"
 
@@ -122,6 +123,30 @@ TEST_F(MotionBids, AxesOfATrackerAreThoseOfItsTransmitterInTheRoom) {
   EXPECT_EQ(axes_with(Quat::Identity()), "RAS");
   EXPECT_EQ(axes_with(Quat(0.0, std::sqrt(0.5), -std::sqrt(0.5), 0.0)), "PLI");
   EXPECT_EQ(axes_with(Quat(std::sqrt(0.5), std::sqrt(0.5), 0.0, 0.0)), "RSP");  // y up, z back
+}
+
+// A Fastrak has 120 samples a second for all receivers; what another tracker was, nobody knows here.
+TEST_F(MotionBids, OfAnotherTrackerSaysNoMakerAndItsOwnRate) {
+  std::vector<devices::Sample> samples;
+  for (int i = 0; i < 91; ++i) {
+    devices::TrackerSample sample;
+    sample.station = devices::kHandStation;
+    sample.device_time = tick_time(i, 90);
+    samples.emplace_back(sample);
+  }
+  scene::Event imported;
+  imported.kind = scene::kind::imported;
+  const auto hand_of = [&](const std::vector<scene::Event>& events) {
+    for (const auto& [name, text] : session_files({"p001", "01", &header_, samples, events})) {
+      if (name.ends_with("_tracksys-hand_run-01_motion.json")) return nlohmann::json::parse(text);
+    }
+    return nlohmann::json();
+  };
+  const nlohmann::json other = hand_of({imported}), fastrak = hand_of({});
+  EXPECT_FALSE(other.contains("Manufacturer"));
+  EXPECT_EQ(other["SamplingFrequency"], 90.0);
+  EXPECT_EQ(fastrak["Manufacturer"], "Polhemus");
+  EXPECT_EQ(fastrak["SamplingFrequency"], 120.0);  // one receiver
 }
 
 /// A table without its last columns.
