@@ -144,7 +144,7 @@ std::string html_report(const Design& design, const Questionnaire& questions,
       "<!doctype html>\n<html lang=en><meta charset=utf-8><title>{0}</title>\n<style>{1}</style>\n"
       "<h1>{0}</h1>\n",
       title, kStyle);
-  if (parts.of != "no") {
+  if (parts.of != "no" && !people.empty()) {
     html += fmt::format(
         "<p class=virtual>{} of these participants are virtual: nobody played "
         "their sessions, and their answers are drawn from a model.</p>\n",
@@ -156,6 +156,9 @@ std::string html_report(const Design& design, const Questionnaire& questions,
                       counted);
   html += design_of(design) + "<h2>Tables</h2>\n";
   for (const Table& table : parts.tables) html += table_of(table, design);
+  if (!parts.left_out.empty()) {
+    html += fmt::format("<p class=note>{}</p>\n", escaped(parts.left_out));
+  }
   if (!parts.pictures.empty()) html += "<h2>Pictures</h2>\n";
   for (const std::string& picture : parts.pictures) {
     html += fmt::format("<figure>{}</figure>\n", picture_of(picture));

@@ -53,12 +53,15 @@ void write_pages(const Study& study, const std::vector<study::Person>& people,
   }
 }
 
-/// A table from the analysis, with rounded numbers; nothing if it does not exist.
-std::optional<study::Table> analysed(const Study& study, const std::string& name,
-                                     const std::string& title) {
+/// A table from the analysis; nothing if it does not exist.
+std::optional<study::CsvTable> analysed(const Study& study, const std::string& name) {
   const fs::path path = study.at.root / "analysis" / (name + ".csv");
   if (!fs::exists(path)) return std::nullopt;
-  const study::CsvTable csv = study::parse_csv(read_study_file(path), path.string());
+  return study::parse_csv(read_study_file(path), path.string());
+}
+
+/// With rounded numbers.
+study::Table shown(const study::CsvTable& csv, const std::string& name, const std::string& title) {
   study::Table table{name, title, {}, {}};
   for (const std::string& column : csv.columns) table.columns.push_back({column, "", "", ""});
   for (const study::CsvRow& row : csv.rows) {
@@ -72,21 +75,43 @@ std::optional<study::Table> analysed(const Study& study, const std::string& name
   return table;
 }
 
-study::ReportParts parts_of(const Study& study, const std::vector<study::Person>& people,
-                            const Counted& counted, const fs::path& output) {
-  study::ReportParts parts;
-  parts.of = counted.of;
-  parts.tables = study::paper_tables(study.design, study.questions, counted.people, counted.of);
+/// What the analysis says of itself and the tables of this page do not; empty if it is of the same participants.
+std::string other_participants(const Study& study, const Counted& counted) {
+  const std::optional<study::CsvTable> fit = analysed(study, "fit");
+  if (!fit) return "";
+  for (const study::CsvRow& row : fit->rows) {
+    if (fit->cell(row, "quantity") != "participants") continue;
+    const std::string number = fit->cell(row, "value"), of = fit->cell(row, "virtual");
+    if (number == fmt::format("{}", counted.people.size()) && of == counted.of) return "";
+    return fmt::format(
+        "The analysis is of {} participants (virtual: {}), the tables above are of {} (virtual: {}). So Tables "
+        "5 and 6 and their pictures are left out; `headpin experiment analyse` writes them anew.",
+        number, of, counted.people.size(), counted.of);
+  }
+  return "";
+}
+
+/// Tables 5 and 6 and the pictures of the analysis.
+void add_analysis(const Study& study, study::ReportParts& parts) {
   for (const auto& [name, title] : {std::pair("table-5", "Linear predictors"),
                                     {"table-6", "Parameter estimates and standard errors"},
                                     {"drop", "What the deviance grows by without each term"},
                                     {"fit", "How well the model fits"}}) {
-    if (auto table = analysed(study, name, title)) parts.tables.push_back(*table);
+    if (const auto csv = analysed(study, name)) parts.tables.push_back(shown(*csv, name, title));
   }
   for (const char* name : {"effects.svg", "scores.svg"}) {
     const fs::path path = study.at.root / "analysis" / name;
     if (fs::exists(path)) parts.pictures.push_back(read_study_file(path));
   }
+}
+
+study::ReportParts parts_of(const Study& study, const std::vector<study::Person>& people,
+                            const Counted& counted, const fs::path& output) {
+  study::ReportParts parts;
+  parts.of = counted.of;
+  parts.tables = study::paper_tables(study.design, study.questions, counted.people, counted.of);
+  parts.left_out = other_participants(study, counted);
+  if (parts.left_out.empty()) add_analysis(study, parts);
   const fs::path here = fs::absolute(output).parent_path();
   for (const study::Person& person : people) {
     const std::optional<fs::path> page = page_of(study, person);
@@ -100,7 +125,12 @@ study::ReportParts parts_of(const Study& study, const std::vector<study::Person>
 void report_study(const ReportStudyOptions& options) {
   watch_stop_signals();
   const Study study = open_study(options.study);
-  const std::vector<study::Person> people = people_of(study, options.jobs);
+  std::vector<study::Person> people = people_of(study, options.jobs);
+  if (!options.mixing.only.empty()) {
+    std::erase_if(people, [&](const study::Person& one) {
+      return one.is_virtual() != (options.mixing.only == "virtual");
+    });
+  }
   const Counted counted = counted_of(study, people, options.mixing);
   if (options.pages) write_pages(study, people, options.page);
   const study::ReportParts parts = parts_of(study, people, counted, *options.output);
@@ -116,7 +146,9 @@ void report_study(const ReportStudyOptions& options) {
   }
   fmt::print("{}: {} participants, {} count\n", *options.output, people.size(),
              counted.people.size());
-  if (!fs::exists(study.at.root / "analysis")) {
+  if (!parts.left_out.empty()) {
+    fmt::print("{}\n", parts.left_out);
+  } else if (!fs::exists(study.at.root / "analysis")) {
     fmt::print("without Tables 5 and 6: `headpin experiment analyse {}` makes them\n",
                study.at.root.string());
   }

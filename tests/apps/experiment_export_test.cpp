@@ -162,6 +162,32 @@ TEST_F(StudyExport, TheReportIsOnePageThatSaysWhatIsVirtual) {
               HasSubstr("<a href=\"study/sessions/p001/run-01.html\">"));
 }
 
+TEST_F(StudyExport, AReportOfSomeLeavesOutTheAnalysisOfOthers) {
+  play(2);
+  fs::create_directory(folder_ / "study/analysis");
+  const auto analysed = [&](int number) {
+    std::ofstream(folder_ / "study/analysis/fit.csv")
+        << "quantity,value,virtual\nparticipants," << number << ",yes\n";
+    std::ofstream(folder_ / "study/analysis/table-6.csv") << "term,estimate,virtual\nE,4321,yes\n";
+  };
+  const auto page = [&](const std::string& options) {
+    EXPECT_EQ(headpin("experiment report study -o study.html --force " + options).code, 0);
+    return slurp(folder_ / "study.html");
+  };
+  const int counted = json("experiment report study -o other.html --json")["counted"].get<int>();
+  analysed(counted);
+  EXPECT_THAT(page("--only virtual"), HasSubstr("4321"));
+  EXPECT_THAT(page("--only virtual"), HasSubstr("p001"));
+  const std::string people = page("--only people");  // nobody of these two
+  EXPECT_THAT(people, testing::Not(HasSubstr("4321")));
+  EXPECT_THAT(people,
+              HasSubstr(fmt::format("analysis is of {} participants (virtual: yes)", counted)));
+  EXPECT_THAT(people, testing::Not(HasSubstr("participants are virtual")));
+  EXPECT_THAT(people, testing::Not(HasSubstr("p001 (virtual)")));
+  analysed(counted + 1);  // somebody is no longer counted
+  EXPECT_THAT(page(""), testing::Not(HasSubstr("4321")));
+}
+
 // A page that is there already is somebody's.
 TEST_F(StudyExport, TheReportWritesThePagesOfTrialsThatAreMissing) {
   play(2);
