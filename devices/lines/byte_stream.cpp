@@ -348,6 +348,11 @@ void PseudoTerminal::link_at(const std::string& link) {
   std::error_code no_link;
   const bool ours = std::filesystem::read_symlink(link, no_link) == name_;
   if (!ours && is_served(link)) throw base::Busy(link + ": another emulator uses it");
+  struct stat terminal {};
+  if (!ours && ::stat(link.c_str(), &terminal) == 0) {
+    throw base::Busy(
+        link + ": another program's terminal is behind it; remove the link, or take another name");
+  }
   base::place_link(name_, link);
   link_ = link;
 }

@@ -76,9 +76,9 @@ std::pair<std::unique_ptr<ByteStream>, std::unique_ptr<ByteStream>> memory_strea
 class PseudoTerminal : public ByteStream {
  public:
   /// @param link  a symbolic link to make to the terminal; empty for none. One that points to a
-  ///              pseudo-terminal, there or gone, is replaced. It is removed at the end.
+  ///              pseudo-terminal that is gone is replaced. It is removed at the end.
   /// @throws std::runtime_error  when no terminal can be had, or `link` is another file
-  /// @throws base::Busy         when `link` belongs to another emulator
+  /// @throws base::Busy         when `link` leads to the terminal of another program
   explicit PseudoTerminal(const std::string& link = "");
   ~PseudoTerminal() override;
   PseudoTerminal(const PseudoTerminal&) = delete;

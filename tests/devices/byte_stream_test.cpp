@@ -174,6 +174,20 @@ TEST(PseudoTerminalTest, LinkOfAKilledOneIsTakenOverThoughItNamesTheNewOne) {
   EXPECT_TRUE(same);
 }
 
+TEST(PseudoTerminalTest, ALinkToTheTerminalOfAnotherProgramIsItsOwn) {
+  const std::string link = scratch("shell").string();
+  const int other = posix_openpt(O_RDWR | O_NOCTTY);
+  ASSERT_GE(other, 0);
+  ASSERT_EQ(grantpt(other), 0);
+  ASSERT_EQ(unlockpt(other), 0);
+  const std::string name = ptsname(other);
+  fs::create_symlink(name, link);
+  EXPECT_THROW(PseudoTerminal pty(link), base::Busy);
+  EXPECT_EQ(fs::read_symlink(link), name);
+  ::close(other);
+  EXPECT_NO_THROW(PseudoTerminal pty(link));
+}
+
 TEST(PseudoTerminalTest, ASecondOneAtALinkIsRefusedAndTheFirstServesOn) {
   const std::string link = scratch("taken").string();
   {
