@@ -1,6 +1,5 @@
 #include "render/renderer.h"
 
-#include <array>
 #include <stdexcept>
 #include <string>
 
@@ -14,9 +13,6 @@
 namespace headpin::render {
 
 namespace {
-
-/// The surfaces in the order of drawing.
-constexpr std::array kTurns = {Surface::lit, Surface::floor, Surface::baked};
 
 Gl current_functions(GlContext& context) {
   context.make_current();
@@ -43,8 +39,6 @@ struct Renderer::Impl {
   void start() const;
   /// Throws an exception if there was an OpenGL error since the last call.
   void finish(const char* what) const;
-  /// All surfaces of a scene, and what follows them.
-  void draw_all(const EyeScene& scene) const;
 
   std::unique_ptr<GlContext> context;
   Gl gl;
@@ -54,8 +48,7 @@ struct Renderer::Impl {
   MeshPass surfaces{gl, meshes, quality};
   MirrorPass mirror{gl, surfaces, quality.mirror};
   ContactPass contact{gl, quality.contact};
-  SamplePass samples{gl, meshes, quality.samples,
-                     [this](const EyeScene& scene) { draw_all(scene); }};
+  SamplePass samples{gl, meshes, surfaces, contact, quality.samples};
   LabelPass labels{gl, meshes};
 };
 
@@ -98,13 +91,6 @@ void Renderer::Impl::finish(const char* what) const {
   const GLenum error = gl.GetError();
   if (error != GL_NO_ERROR) {
     throw std::runtime_error(std::string("OpenGL error ") + std::to_string(error) + " in " + what);
-  }
-}
-
-void Renderer::Impl::draw_all(const EyeScene& scene) const {
-  for (const Surface surface : kTurns) {
-    surfaces.draw(scene, surface);
-    if (surface == Surface::floor) contact.draw(scene);
   }
 }
 

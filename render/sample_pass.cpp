@@ -1,6 +1,15 @@
 #include "render/sample_pass.h"
 
+#include <array>
+
 namespace headpin::render {
+
+namespace {
+
+/// The surfaces in the order of drawing.
+constexpr std::array kTurns = {Surface::lit, Surface::floor, Surface::baked};
+
+}  // namespace
 
 int SamplePass::most_pixels() const {
   GLint largest = 0;
@@ -23,6 +32,14 @@ Image SamplePass::read(const EyeScene& scene, const View& view, std::size_t numb
   draw_part(scene, view, *part, *finer, finer_target_);
   paste(read_part(*finer_target_, *part, *finer), *part, image);
   return image;
+}
+
+/// All surfaces of a scene, with the contact shadows on the floor.
+void SamplePass::draw_all(const EyeScene& scene) const {
+  for (const Surface surface : kTurns) {
+    surfaces_.draw(scene, surface);
+    if (surface == Surface::floor) contact_.draw(scene);
+  }
 }
 
 /// Rotates the picture into the grid of its samples; samples outside of it are not drawn.
@@ -59,7 +76,7 @@ void SamplePass::draw_part(EyeScene scene, const View& whole, const PixelRect& p
   clear(gl_, srgb_of(scene.list->background));
   scene.world_to_clip = world_to_clip(view_of(whole, part));
   lay_grid(scene, whole, part, laid);
-  draw_all_(scene);
+  draw_all(scene);
 }
 
 Image SamplePass::read_part(const Target& target, const PixelRect& part, const SampleGrid& laid) {

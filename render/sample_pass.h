@@ -1,14 +1,15 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "render/contact_pass.h"
 #include "render/eye_scene.h"
 #include "render/finer_part.h"
 #include "render/gl_objects.h"
+#include "render/mesh_pass.h"
 #include "render/meshes.h"
 
 namespace headpin::render {
@@ -16,13 +17,11 @@ namespace headpin::render {
 /// Draws a view, or a part of it, into a grid of samples and averages these to a picture.
 class SamplePass {
  public:
-  /// Draws all that is in a scene into the bound target.
-  using DrawAll = std::function<void(const EyeScene&)>;
-
-  /// @param gl, meshes  must outlive this
-  /// @param samples     SampleGrid::n
-  SamplePass(const Gl& gl, const Meshes& meshes, int samples, DrawAll draw_all)
-      : gl_(gl), meshes_(meshes), grid_{samples}, draw_all_(std::move(draw_all)) {}
+  /// @param gl, meshes, surfaces, contact  must outlive this
+  /// @param samples                        SampleGrid::n
+  SamplePass(const Gl& gl, const Meshes& meshes, const MeshPass& surfaces,
+             const ContactPass& contact, int samples)
+      : gl_(gl), meshes_(meshes), surfaces_(surfaces), contact_(contact), grid_{samples} {}
 
   /// The largest width and height of a view.
   int most_pixels() const;
@@ -35,6 +34,7 @@ class SamplePass {
   Image read(const EyeScene& scene, const View& view, std::size_t number);
 
  private:
+  void draw_all(const EyeScene& scene) const;
   void lay_grid(EyeScene& scene, const View& whole, const PixelRect& part,
                 const SampleGrid& laid) const;
   void draw_part(EyeScene scene, const View& whole, const PixelRect& part, const SampleGrid& laid,
@@ -44,8 +44,9 @@ class SamplePass {
 
   const Gl& gl_;
   const Meshes& meshes_;
+  const MeshPass& surfaces_;
+  const ContactPass& contact_;
   SampleGrid grid_;
-  DrawAll draw_all_;
   std::vector<std::unique_ptr<Target>> targets_;  ///< of the last views' sizes, in samples
   std::unique_ptr<Target> finer_target_;          ///< of the last part that was drawn again
   std::vector<std::uint8_t> samples_;

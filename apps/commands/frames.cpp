@@ -49,7 +49,7 @@ std::string why_not_compared(const scene::TrialSummary& trial, scene::Eyes& eyes
       trial.events.end()) {
     return "a browser drew them, and its log has no hashes of pictures";
   }
-  if (eyes.look != own) return "the look is another than the trial's";
+  if (eyes.renderer.quality() != own) return "the look is another than the trial's";
   const std::optional<render::Fingerprint> then = scene::drawn_by(trial.events);
   if (!then) return "";  // an older trial does not say it; the comparison will show
   const render::Fingerprint now = render::fingerprint(eyes.renderer);

@@ -13,9 +13,12 @@ namespace {
 
 class LiveFastrak : public LiveSource {
  public:
-  LiveFastrak(std::unique_ptr<ByteStream> stream, Clocks& clocks, const FastrakOptions& options)
-      : driver_(std::move(stream), clocks, options) {}
+  LiveFastrak(std::unique_ptr<ByteStream> line, Clocks& clocks, const SourceOptions& options)
+      : driver_(stamped(std::move(line), options.clock), clocks, options.fastrak) {}
 
+  void start() override {
+    if (stamps_) stamps_->start();
+  }
   void poll(Time now, std::vector<Sample>& out) override { driver_.poll(now, out); }
   bool exhausted() const override { return driver_.exhausted(); }
 
@@ -35,6 +38,16 @@ class LiveFastrak : public LiveSource {
   }
 
  private:
+  /// With a clock, the line is read by a thread that notes when bytes arrive.
+  std::unique_ptr<ByteStream> stamped(std::unique_ptr<ByteStream> line,
+                                      const std::function<Time()>& clock) {
+    if (!clock) return line;
+    auto stream = std::make_unique<StampedStream>(std::move(line), clock);
+    stamps_ = stream.get();
+    return stream;
+  }
+
+  StampedStream* stamps_ = nullptr;  ///< within the driver; before it, as it is set with it
   FastrakDriver driver_;
 };
 
@@ -47,15 +60,10 @@ OpenSource live_fastrak(const std::string& name, const std::string& line, Clocks
         name +
         " expected the name of a serial port or tcp:HOST:PORT after the colon, found nothing");
   }
-  OpenSource opened{.name = name, .has_stylus = true};
-  std::unique_ptr<ByteStream> stream = open_line(line, options.fastrak.baud);
-  if (options.clock) {
-    auto reader = std::make_unique<StampedStream>(std::move(stream), options.clock);
-    opened.start = [line = reader.get()] { line->start(); };  // within the driver
-    stream = std::move(reader);
-  }
-  opened.source = std::make_unique<LiveFastrak>(std::move(stream), clocks, options.fastrak);
-  return opened;
+  return {.name = name,
+          .source =
+              std::make_unique<LiveFastrak>(open_line(line, options.fastrak.baud), clocks, options),
+          .has_stylus = true};
 }
 
 }  // namespace headpin::devices

@@ -94,7 +94,7 @@ class LiveLcm : public LiveSource {
     if (clock) source_.use_clock(clock);
   }
 
-  void start() { source_.listen(); }
+  void start() override { source_.listen(); }
   void poll(Time now, std::vector<Sample>& out) override { source_.poll(now, out); }
   bool exhausted() const override { return source_.exhausted(); }
   SourceStatus status(Time now) const override {
@@ -129,11 +129,7 @@ OpenSource live_lcm(const std::string& name, const std::string& url, Clocks& clo
   if (const auto& log = at.log()) {
     return {.name = name, .source = std::make_unique<LivePlayedLog>(*log), .recording = log->path};
   }
-  auto source = std::make_unique<LiveLcm>(at, clocks, options.clock);
-  OpenSource opened{.name = name};
-  opened.start = [lcm = source.get()] { lcm->start(); };
-  opened.source = std::move(source);
-  return opened;
+  return {.name = name, .source = std::make_unique<LiveLcm>(at, clocks, options.clock)};
 }
 
 }  // namespace headpin::devices

@@ -35,6 +35,8 @@ struct SourceStatus {
 /// A source for a running session.
 class LiveSource : public Source {
  public:
+  /// To be called when the session's clock starts; earlier samples are discarded.
+  virtual void start() {}
   virtual SourceStatus status(Time now) const = 0;
 };
 
@@ -44,8 +46,6 @@ struct OpenSource {
   std::unique_ptr<LiveSource> source = {};
   std::string recording = {};  ///< the log that it plays; empty if it plays none
   bool has_stylus = false;     ///< whether a button of its tracker is the trigger
-  /// To be called when the session's clock starts; earlier samples are discarded.
-  std::function<void()> start = [] {};
 };
 
 /// Messages about faults of a source: the first of each kind at once, further ones every ten

@@ -18,7 +18,7 @@ LiveSources::LiveSources(std::vector<devices::OpenSource> sources) : each_(std::
 }
 
 void LiveSources::start() const {
-  for (const devices::OpenSource& one : each_) one.start();
+  for (const devices::OpenSource& one : each_) one.source->start();
 }
 
 }  // namespace headpin::scene

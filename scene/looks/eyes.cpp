@@ -40,7 +40,7 @@ Eyes open_eyes(const Stage& stage, const render::Quality& look, std::string_view
   Looks looks(renderer, stage);
   render::Optics optics = stage.scenario.hmd.optics;
   optics.far = std::max(optics.far, farthest_seen(stage.scenario.room));
-  return {std::move(renderer), std::move(looks), optics, look};
+  return {std::move(renderer), std::move(looks), optics};
 }
 
 Pose looking_at(const Vec3& p_WC, const Vec3& target_W) {

@@ -13,7 +13,6 @@ struct Eyes {
   render::Renderer renderer;
   Looks looks;
   render::Optics optics;
-  render::Quality look;
 };
 
 /// Makes eyes with the rendering quality of the stage's scenario, or with another one.

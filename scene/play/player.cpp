@@ -288,10 +288,9 @@ std::optional<Pose> present_hand(const Player& player, const Rig& rig, Time now)
 
 Pose sensor_in_space(const devices::TrackerSample& sample, const Rig& rig) {
   if (sample.in_transmitters_frame()) return rig.X_WT * sample.X_TS;
-  if (sample.frame == "P") return sample.X_TS;
   throw std::runtime_error(
-      fmt::format("a sample of station {} at {:.6f} s is in frame '{}'; expected T (the "
-                  "transmitter's) or P (the tracked space's)",
+      fmt::format("a sample of station {} at {:.6f} s is in frame '{}'; expected T, the "
+                  "transmitter's",
                   sample.station, seconds(sample.device_time), sample.frame));
 }
 

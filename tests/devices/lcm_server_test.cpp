@@ -51,7 +51,7 @@ TEST(LcmServerTest, AServerThatGoesAwayEndsTheSessionWithAWord) {
   Clocks clocks;
   const OpenSource opened = *open_device("lcm:" + server.url(), clocks, {});
   LiveSource* const source = opened.source.get();
-  opened.start();
+  opened.source->start();
   std::vector<Sample> samples;
   source->poll(Time{1000}, samples);
   server.close_all();

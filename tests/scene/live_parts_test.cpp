@@ -40,10 +40,12 @@ const std::string kDemoTrial = HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog";
 
 /// A source whose state the test sets.
 struct TestSource : devices::LiveSource {
+  void start() override { ++started; }
   void poll(Time, std::vector<devices::Sample>&) override {}
   bool exhausted() const override { return over; }
   devices::SourceStatus status(Time) const override { return state; }
   devices::SourceStatus state;
+  int started = 0;
   bool over = false;
 };
 
@@ -119,19 +121,17 @@ TEST(LiveSourcesTest, ThePressedSwitchOfAFastrakIsTheTrigger) {
 }
 
 TEST(LiveSourcesTest, StartTogetherAndEndWithTheLastOne) {
-  int started = 0;
   std::vector<devices::OpenSource> opened;
   std::vector<TestSource*> each;
   for (const char* name : {"a", "b"}) {
     auto source = std::make_unique<TestSource>();
     each.push_back(source.get());
     opened.push_back(open_as(name, std::move(source)));
-    opened.back().start = [&started] { ++started; };
   }
   LiveSources sources(std::move(opened));
-  EXPECT_EQ(started, 0);
+  for (const TestSource* one : each) EXPECT_EQ(one->started, 0);
   sources.start();
-  EXPECT_EQ(started, 2);
+  for (const TestSource* one : each) EXPECT_EQ(one->started, 1);
   each[0]->over = true;
   EXPECT_FALSE(sources.exhausted());
   each[1]->over = true;

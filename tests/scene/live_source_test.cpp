@@ -42,7 +42,7 @@ TEST(OpenSource, ATrialPlaysAsItIsReplayed) {
 TEST(OpenSource, ALogIsPlayedOverLcm) {
   devices::Clocks clocks;
   const devices::OpenSource log = open_source("lcm:file://" + kDemo + "?speed=0", clocks, {});
-  log.start();
+  log.source->start();
   EXPECT_EQ(log.recording, kDemo);
   EXPECT_EQ(all_of(*log.source, Time{4166}).size(), read_trial(kDemo).samples.size());
   const devices::SourceStatus status = log.source->status(Time{4166});
@@ -55,7 +55,7 @@ TEST(OpenSource, AFastrakIsHeardAtTheEndOfItsLine) {
   devices::Unit unit;
   devices::Clocks clocks;
   const devices::OpenSource fastrak = open_source("fastrak:" + pty.name(), clocks, {});
-  fastrak.start();
+  fastrak.source->start();
   EXPECT_TRUE(fastrak.has_stylus);
   EXPECT_EQ(fastrak.recording, "");
   EXPECT_NE(fastrak.source->status({}).activity, "streaming");

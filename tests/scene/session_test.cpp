@@ -309,17 +309,16 @@ TEST(SessionTest, RunsOfOneStageAreEqualAndLeaveItAsItWas) {
   EXPECT_EQ(engine::state_hash(stage->world), before);
 }
 
-TEST(SessionTest, ASampleInTheWorldsFrameNeedsNoTransmitterAndAnotherFrameIsRefused) {
+TEST(SessionTest, ASampleIsInTheTransmittersFrameAndAnotherIsRefused) {
   Scenario scenario;
   scenario.rig.X_WT.p = Vec3(5.0, 6.0, 7.0);
   devices::TrackerSample head;
   head.station = static_cast<std::int32_t>(scenario.rig.head_station);
   head.X_TS.p = Vec3(1.0, 2.0, 3.0);
-  head.frame = "P";
   Session session = make_session(scenario);
   devices::ReplaySource source({head});
   advance(session, source);
-  EXPECT_EQ(head_pose(session)->p, head.X_TS.p);
+  EXPECT_EQ(head_pose(session)->p, Vec3(6.0, 8.0, 10.0));
 
   head.frame = "lab";
   devices::ReplaySource foreign({head});
