@@ -10,15 +10,14 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/bids_session.h"
 #include "apps/command.h"
 #include "apps/import_explain.h"
 #include "apps/import_options.h"
+#include "apps/import_session.h"
 #include "apps/import_thrown.h"
 #include "apps/options.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "apps/xdf_session.h"
 #include "base/output_file.h"
 #include "devices/recordings/motion_files.h"
 #include "scene/people/throw.h"
@@ -338,7 +337,7 @@ void add_import(CLI::App& app) {
       ->add_option("FILE", options->file,
                    "recording: a text table with a time and the poses of head and hand (CSV, TSV), "
                    "the folder of a UXF session or one of its tracker files, a Motion-BIDS "
-                   "..._motion.tsv, a VRPN log, or a recording of LabRecorder (XDF)")
+                   "..._motion.tsv, a VRPN log, a recording of LabRecorder (XDF), or the folder of `export`")
       ->required();
   add_output(*command, "-o,--output", options->output,
              "trial to write (.lcmlog); - is standard output; with --explain a .toml file",
@@ -373,22 +372,14 @@ void add_import(CLI::App& app) {
       "motion, and\nmarks them as found. A recording that cannot be a person's throw is refused, "
       "with the "
       "reason. A "
-      "session from\n`experiment export` or `export --xdf` is read back complete, with its "
+      "session from\n`experiment export`, `export` or `export --xdf` is read back complete, with its "
       "buttons.\n\n"
       "Example:\n  headpin import throw.csv -o throw.lcmlog --heading gaze");
   command->callback([options] {
     require_output(*options);
-    if (is_xdf_session(*options)) return import_xdf_session(*options);
+    if (import_session(*options)) return;
     if (options->explain) return explain_import(*options, room_of(*options));
-    if (is_bids_session(options->file)) {
-      watch_stop_signals();
-      base::OutputFile file(
-          *options->output,
-          {.overwrite = options->force, .standard_output = true, .inputs = {options->file}});
-      import_bids_session(options->file, std::move(file), options->json);
-    } else {
-      import_throw(*options);
-    }
+    import_throw(*options);
   });
 }
 
