@@ -2,6 +2,7 @@
 # Builds the engine with several compilers, levels and instruction sets, and for other machines
 # (AArch64 and RISC-V under qemu, WebAssembly under node), plays the same games with each and compares
 # the hash of every tick; then replays whole trials on them (trial_matrix.sh).
+# Once more without AVX, on a processor that qemu plays.
 # Usage: build_matrix.sh [--quick]
 #   --quick  one low and one high level of each compiler instead of all, no other machine, no trials;
 #            the presets release (g++, -O3) and asan (clang++, -O1, sanitizers) are used where they were built
@@ -73,6 +74,16 @@ for preset in "${presets[@]}"; do
   "build/$preset/tests/state_hash" >"$work/$preset.txt"
 done
 variants+=("${presets[@]}")
+
+# g++ builds the solver twice, and the program takes the version for AVX where there is AVX: the other is run here.
+if [ "${1:-}" != --quick ] && [ -e "$work/g++-O3/state_hash.js" ] && [ "$(uname -m)" = x86_64 ]; then
+  if command -v qemu-x86_64 >/dev/null; then
+    variants+=("g++ -O3 without AVX")
+    qemu-x86_64 -cpu Nehalem "$work/g++-O3/state_hash.js" >"$work/g++-O3withoutAVX.txt"
+  else
+    echo "skipped: no qemu-x86_64 to be a processor without AVX"
+  fi
+fi
 
 reference=${variants[0]// /}
 cat "$work/$reference.txt"
