@@ -65,7 +65,7 @@ std::vector<std::int64_t> frames_shown(const scene::Recorded& recorded, const Fr
   std::int64_t first = -1, last = -1;
   recorded.file.walk([&](const scene::TrialFile::Item& item) {
     if (const auto* frame = std::get_if<scene::FrameRecord>(&item)) {
-      if (wanted.contains(frame->frame)) frames.push_back(frame->frame);
+      if (wanted.contains(frame->frame, frame->time)) frames.push_back(frame->frame);
       if (first < 0) first = frame->frame;
       last = frame->frame;
     }
@@ -84,10 +84,11 @@ std::vector<std::int64_t> frames_until(Time end, std::int64_t fps, const FrameRa
   std::vector<std::int64_t> frames;
   std::int64_t frame = 0;
   for (; tick_time(frame, fps) <= end; ++frame) {
-    if (wanted.contains(frame)) frames.push_back(frame);
+    if (wanted.contains(frame, tick_time(frame, fps))) frames.push_back(frame);
   }
   if (frames.empty()) {
-    throw UsageError(fmt::format("--frames {}: expected frames from 0 to {}", asked, frame - 1));
+    throw UsageError(fmt::format("--frames {}: expected frames from 0 to {}, or times to {:.3f}s",
+                                 asked, frame - 1, seconds(end)));
   }
   return frames;
 }
@@ -426,8 +427,8 @@ void add_picture_options(CLI::App& command, FramesOptions& options, OfTheTask& t
                   "viewpoint: eyes; third-person, from behind the participant; or top, from above")
       ->check(one_of({"eyes", "third-person", "top"}))
       ->capture_default_str();
-  task.insert(
-      command.add_option("--frames", options.frames, "draw only these frames, such as 10-20,35"));
+  task.insert(command.add_option("--frames", options.frames,
+                                 "draw only these frames, such as 10-20,35 or 3.9s-4.1s"));
   command.add_option("--fps", options.fps, "frame rate; default: that of the scenario")
       ->check(whole_number_from(1, 1000));
   task.insert(
