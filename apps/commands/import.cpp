@@ -334,10 +334,11 @@ void add_import(CLI::App& app) {
   CLI::App* command = app.add_subcommand("import", "Convert a recorded throw to a trial");
   const auto options = std::make_shared<ImportOptions>();
   command
-      ->add_option("FILE", options->file,
-                   "recording: a text table with a time and the poses of head and hand (CSV, TSV), "
-                   "the folder of a UXF session or one of its tracker files, a Motion-BIDS "
-                   "..._motion.tsv, a VRPN log, a recording of LabRecorder (XDF), or the folder of `export`")
+      ->add_option(
+          "FILE", options->file,
+          "recording: a text table with a time and the poses of head and hand (CSV, TSV), "
+          "the folder of a UXF session or one of its tracker files, a Motion-BIDS "
+          "..._motion.tsv, a VRPN log, a recording of LabRecorder (XDF), or the folder of `export`")
       ->required();
   add_output(*command, "-o,--output", options->output,
              "trial to write (.lcmlog); - is standard output; with --explain a .toml file",

@@ -38,7 +38,10 @@ struct Measures {
   std::size_t skittles = 0;
   std::size_t primitives = 0;  ///< of a skittle
   double skittle_m = 0.0, skittle_kg = 0.0;
+  double centre_m = 0.0;                ///< of a skittle's mass, above its base
+  Vec3 inertia = Vec3::Zero();          ///< of a skittle about its centre of mass, z up [kg m^2]
   double ball_m = 0.0, ball_kg = 0.0;   ///< across
+  Vec3 ball_inertia = Vec3::Zero();     ///< principal moments [kg m^2]
   double lane_m = 0.0;                  ///< foul line to head pin
   std::vector<std::string> not_drawn;   ///< of its mesh files
   std::vector<std::string> not_convex;  ///< mesh files in whose place convex pieces collide
@@ -48,13 +51,17 @@ struct Measures {
 Measures measure(const std::string& name_or_file) {
   const scene::Scenario s = scene::load_scenario(name_or_file);
   const scene::Stage stage = scene::make_stage(s);
+  const scene::SkittleBody skittle = scene::skittle_body(s);
   return {.name = s.name,
           .skittles = stage.skittles.size(),
           .primitives = stage.skittle.shape->parts.size(),
           .skittle_m = s.skittle.height,
           .skittle_kg = s.skittle.mass,
+          .centre_m = skittle.centre_height,
+          .inertia = skittle.body.inertia.diagonal(),
           .ball_m = 2.0 * s.ball.radius,
           .ball_kg = s.ball.mass,
+          .ball_inertia = engine::principal_inertia(scene::ball_body(s).inertia).moments,
           .lane_m = s.lane.head_pin,
           .not_drawn = scene::not_drawn(s),
           .not_convex = scene::not_convex(s)};
@@ -68,12 +75,32 @@ std::string in_words(const Measures& m) {
       m.ball_kg, m.lane_m);
 }
 
+/// How the mass of skittle and ball lies.
+std::string masses_in_words(const Measures& m) {
+  const Vec3 &i = m.inertia, &b = m.ball_inertia;
+  const std::string ball = b.x() == b.y() && b.x() == b.z()
+                               ? fmt::format("{:.3g}", b.x())
+                               : fmt::format("{:.4g}, {:.4g}, {:.4g}", b.x(), b.y(), b.z());
+  return fmt::format(
+      "skittle: centre of mass {:.4f} m up, moments of inertia {:.3g}, {:.3g}, {:.3g} kg m2 about x, y, z; "
+      "ball: {} kg m2",
+      m.centre_m, i.x(), i.y(), i.z(), ball);
+}
+
 nlohmann::ordered_json in_json(const std::string& file, const Measures& m) {
-  return {{"scenario", m.name},          {"file", file},
-          {"skittles", m.skittles},      {"primitives", m.primitives},
-          {"height_m", m.skittle_m},     {"mass_kg", m.skittle_kg},
-          {"ball_diameter_m", m.ball_m}, {"ball_mass_kg", m.ball_kg},
-          {"lane_m", m.lane_m},          {"not_drawn", m.not_drawn},
+  return {{"scenario", m.name},
+          {"file", file},
+          {"skittles", m.skittles},
+          {"primitives", m.primitives},
+          {"height_m", m.skittle_m},
+          {"mass_kg", m.skittle_kg},
+          {"centre_of_mass_m", m.centre_m},
+          {"inertia_kgm2", {m.inertia.x(), m.inertia.y(), m.inertia.z()}},
+          {"ball_diameter_m", m.ball_m},
+          {"ball_mass_kg", m.ball_kg},
+          {"ball_inertia_kgm2", {m.ball_inertia.x(), m.ball_inertia.y(), m.ball_inertia.z()}},
+          {"lane_m", m.lane_m},
+          {"not_drawn", m.not_drawn},
           {"not_convex", m.not_convex}};
 }
 
@@ -134,7 +161,7 @@ void draw(const ScenarioOptions& options) {
 void check(const ScenarioOptions& options) {
   const Measures m = measure(options.scenario);
   if (options.json) return print_json(in_json(scene::scenario_path(options.scenario), m));
-  fmt::print("{}: {}\n", printable(m.name), in_words(m));
+  fmt::print("{}: {}\n{}\n", printable(m.name), in_words(m), masses_in_words(m));
   for (const std::vector<std::string>* notes : {&m.not_convex, &m.not_drawn}) {
     for (const std::string& one : *notes) fmt::print("{}\n", printable(one));
   }

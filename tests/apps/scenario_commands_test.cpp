@@ -218,6 +218,28 @@ TEST_F(ScenarioCommands, SynthesizeKeepsWhatTheScenarioSays) {
   expect_refusal("synthesize -o OUT --scenario far.toml", 2, "ball.home must be within the arm's");
 }
 
+// A box of 0.1 x 0.1 x 0.3 m and 1 kg, a ball of 6 kg and 0.1 m: by their formulas.
+TEST_F(ScenarioCommands, CheckTellsWhereMassLies) {
+  write("box.toml",
+        "[ball]\nmass = 6.0\nradius = 0.1\n[skittle]\nmass = 1.0\nheight = 0.3\nweighed = 'parts'\n"
+        "parts = [{shape = 'polyhedron', file = 'box.obj', axes = 'RSP'}]\n");
+  write("box.obj",
+        "v -0.05 0 -0.05\nv 0.05 0 -0.05\nv 0.05 0 0.05\nv -0.05 0 0.05\nv -0.05 0.3 -0.05\n"
+        "v 0.05 0.3 -0.05\nv 0.05 0.3 0.05\nv -0.05 0.3 0.05\n"
+        "f 1 2 3 4\nf 8 7 6 5\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\nf 4 8 5 1\n");
+  const nlohmann::json told = json("scenario check box.toml --json");
+  EXPECT_NEAR(told["centre_of_mass_m"], 0.15, 1e-9);
+  const double across = (0.1 * 0.1 + 0.3 * 0.3) / 12.0, about = (0.1 * 0.1 + 0.1 * 0.1) / 12.0;
+  EXPECT_NEAR(told["inertia_kgm2"][0], across, 1e-6 * across);
+  EXPECT_NEAR(told["inertia_kgm2"][1], across, 1e-6 * across);
+  EXPECT_NEAR(told["inertia_kgm2"][2], about, 1e-6 * about);
+  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(told["ball_inertia_kgm2"][axis], 0.024, 1e-9);
+  EXPECT_THAT(
+      headpin("scenario check box.toml").out,
+      HasSubstr("centre of mass 0.1500 m up, moments of inertia 0.00833, 0.00833, 0.00167 kg m2 "
+                "about x, y, z; ball: 0.024 kg m2"));
+}
+
 // A mesh with a neck is thrown at as its pieces, which are in the trial.
 TEST_F(ScenarioCommands, AMeshThatIsNotConvexIsThrownAtAndToldOf) {
   fs::create_directory(folder_ / "lab");
