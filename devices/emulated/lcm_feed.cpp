@@ -6,7 +6,7 @@ LcmFeed::LcmFeed(const std::string& url) : lcm_(*open_device("lcm:" + url, clock
   for (int s = 0; s < kFastrakStations; ++s) {
     newest_[static_cast<std::size_t>(s)] = still_motion(s + 1, Time{});
   }
-  lcm_.start();
+  lcm_.source->start();
 }
 
 std::vector<std::string> LcmFeed::poll(Time now) {
