@@ -16,8 +16,8 @@ struct ReportParts {
   std::map<std::string, std::string>
       pages;       ///< by participant: the page of the trial, to be opened
   std::string of;  ///< yes: virtual participants, no: people, mixed
-  std::string
-      left_out;  ///< why there is no analysis of these participants; empty if there is one, or none at all
+  /// Why there is no analysis of these participants; empty if there is one, or none at all.
+  std::string left_out = {};
 };
 
 /// Text escaped for HTML and SVG.
