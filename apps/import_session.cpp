@@ -38,6 +38,7 @@ struct WholeTrial {
   std::vector<scene::Event> events = {};
   std::vector<std::string> notes = {};
   std::vector<std::string> files = {};  ///< that were read
+  std::string scenario_from = {};       ///< the file that has its scenario
 };
 
 // A trial of `export --xdf`.
@@ -55,7 +56,8 @@ WholeTrial xdf_trial(const std::string& path) {
           .samples = std::move(trial.samples),
           .events = std::move(trial.events),
           .notes = std::move(trial.notes),
-          .files = {path}};
+          .files = {path},
+          .scenario_from = path};
 }
 
 // A session of `experiment export --motion-bids`: one table per tracker, and the events.
@@ -95,7 +97,8 @@ WholeTrial bids_trial(const std::string& path) {
     study::BidsTrial trial = study::session_of(texts);
     return {.header = std::move(trial.header),
             .samples = std::move(trial.samples),
-            .files = std::move(files)};
+            .files = std::move(files),
+            .scenario_from = path};
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error((fs::path(path).parent_path() / error.what()).string());
   }
@@ -137,7 +140,8 @@ WholeTrial tables_trial(const std::string& path) {
           .samples = std::move(trial.samples),
           .events = std::move(trial.events),
           .notes = std::move(trial.notes),
-          .files = std::move(files)};
+          .files = std::move(files),
+          .scenario_from = (folder / "scenario.toml").string()};
 }
 
 /// A format: how it is known, and how it is read.
@@ -195,7 +199,7 @@ bool import_session(const ImportOptions& options) {
   WholeTrial trial = format->read(options.file);
   if (!options.participant.empty()) trial.header.participant = options.participant;
   if (!options.condition.empty()) trial.header.condition = options.condition;
-  scene::scenario_of_trial(trial.header.scenario, options.file);  // is one
+  scene::scenario_of_trial(trial.header.scenario, trial.scenario_from);  // is one
   if (!options.explain) write_trial(options, trial);
   for (const std::string& note : trial.notes) {
     say("headpin import: {}: {}\n", printable(options.file), printable(note));

@@ -87,7 +87,8 @@ TEST_F(TablesAgain, ThatWereChangedAreAnotherThrow) {
   ASSERT_EQ(headpin("import tables -o faster.lcmlog").code, 0);
   const double was = json("replay --json " + kTrial)["release_speed_mps"],
                is = json("replay --json faster.lcmlog")["release_speed_mps"];
-  EXPECT_NEAR(is / was, 1.2, 0.03);
+  EXPECT_GT(is / was, 1.1);  // a part of it is from the turn of the hand, which stays
+  EXPECT_LT(is / was, 1.2);
 }
 
 TEST_F(TablesAgain, SayWhereTheyAreWrong) {
@@ -121,8 +122,13 @@ TEST_F(TablesAgain, SayWhereTheyAreWrong) {
   expect_refusal("import tables -o OUT.lcmlog", 1,
                  "buttons.csv:2: column trigger: expected 1 or 0");
   put("buttons.csv", {"device_time_s,trigger"});
-  put("scenario.toml", {"[ball]", "mass = 'heavy'"});
-  expect_refusal("import tables -o OUT.lcmlog", 1, "ball.mass");
+  std::vector<std::string> scenario = lines("scenario.toml");
+  const auto mass = std::ranges::find_if(
+      scenario, [](const std::string& line) { return line.starts_with("mass = "); });
+  ASSERT_NE(mass, scenario.end());
+  *mass = "mass = 'heavy'";
+  put("scenario.toml", scenario);
+  expect_refusal("import tables -o OUT.lcmlog", 1, "tables/scenario.toml");
   fs::remove(folder_ / "tables/scenario.toml");
   expect_refusal("import tables -o OUT.lcmlog", 1,
                  "scenario.toml: expected the scenario of the trial");
