@@ -106,8 +106,16 @@ void follow_polyhedra(Scenario& scenario, const ScenarioText& text) {
     skittle.seen = SeenSkittle::collider;
 }
 
+/// Whether a text gives a mesh another size, by its unit, its axes, or what it is to be as large as.
+bool is_measured_anew(const ScenarioText& text, const std::string& object) {
+  return text.has(object + ".mesh.unit") || text.has(object + ".mesh.axes") ||
+         (object == "ball" && text.has("ball.radius")) ||
+         (object == "skittle" && text.has("skittle.height"));
+}
+
 /// Completes the visible meshes: reads files that a text names, and finds those of a trial again. A hash
-/// that is given is checked, whether it comes with the file, before it or after it.
+/// that is given is checked, whether it comes with the file, before it or after it. A file that is not there is
+/// not missed where only its size is in question: a trial replays without it.
 void take_meshes(Scenario& scenario, const ScenarioText& text, const Scenario& before) {
   for (const auto& [object, mesh, earlier, reach] :
        {std::tuple{"room", &scenario.room.mesh, &before.room.mesh, kReachOfRoom},
@@ -117,16 +125,18 @@ void take_meshes(Scenario& scenario, const ScenarioText& text, const Scenario& b
         {"hand", &scenario.hand.mesh, &before.hand.mesh, kReachOfHand}}) {
     const std::string key = fmt::format("{}.mesh", object);
     const bool named = text.has(key + ".file"), hashed = text.has(key + ".sha256");
+    const bool measured = !text.whole && is_measured_anew(text, object) &&
+                          std::filesystem::exists(mesh->file);
     if (mesh->file.empty()) {
       if (named && (text.whole || !hashed)) mesh->sha256.clear();  // it belongs to no file
       continue;
     }
-    if (!named && !hashed) continue;
+    if (!named && !hashed && !measured) continue;
     if (text.whole) {
       find_again(*mesh, text.folder / "trial");
       continue;
     }
-    if (!hashed && !earlier->file.empty()) mesh->sha256.clear();  // it belongs to the earlier file
+    if (named && !hashed && !earlier->file.empty()) mesh->sha256.clear();  // it belongs to the earlier file
     try {
       take_seen(*mesh, text.folder, reach);
     } catch (const std::exception& e) {
