@@ -62,13 +62,16 @@ inline Patch patch(const Cylinder& s, const Vec3& n) {
   return out;
 }
 
+/// Sine of the angle to a cone's axis below which a normal has no side: of a cone as flat as a dish, it meets the tip.
+inline constexpr double kAlong = 1e-9;
+
 inline Patch patch(const Cone& s, const Vec3& n) {
   Patch out;
   const double rho = std::sqrt(n.x() * n.x() + n.y() * n.y());
   const double slant = std::sqrt(s.radius * s.radius + s.height * s.height);
   if (rho < kFacing && n.z() < 0.0) {
     add_disc(out, s.radius, -0.5 * s.height, n);
-  } else if (std::abs(s.height * n.z() - s.radius * rho) < kFacing * slant) {
+  } else if (rho > kAlong && std::abs(s.height * n.z() - s.radius * rho) < kFacing * slant) {
     const double k = s.radius / rho;
     out.add({0.0, 0.0, 0.5 * s.height});
     out.add({k * n.x(), k * n.y(), -0.5 * s.height});

@@ -13,6 +13,18 @@ Vec3 divide(const Eigen::LLT<Mat3>& K, const Vec3& v) {
   return K.solve(v);
 }
 
+/// Below this part of the approach, a slip is rounding: the bodies meet without one.
+constexpr double kNoSlip = 1e-9;
+
+/// The direction in which bodies that meet without a slip begin to slip, by the normal impulse; zero if they do
+/// not.
+Vec3 direction_that_begins(const Encounter& e) {
+  const Vec3& N = e.n_AB_W;
+  const Vec3 KN = e.K_W * N;
+  const Vec3 along = KN - N.dot(KN) * N;
+  return along.norm() > kNoSlip * KN.norm() ? Vec3(-along.normalized()) : Vec3(Vec3::Zero());
+}
+
 /// Kinetic energy that F adds to the pair [J].
 double energy_added(const Encounter& e, const Vec3& F) {
   return F.dot(e.u_W) + 0.5 * F.dot(e.K_W * F);
@@ -53,18 +65,22 @@ Vec3 paper_impulse(const Encounter& e, const Coefficients& c) {
          (F11 - F01 - F10 + F00) * (c.elasticity * c.friction);
 }
 
-Vec3 coulomb_impulse(const Encounter& e, const Coefficients& c) {
+namespace {
+
+Vec3 slip_of(const Encounter& e) {
+  return e.u_W - e.u_W.dot(e.n_AB_W) * e.n_AB_W;
+}
+
+/// @param limit  the direction of an impulse at the limit of friction: N, and the slip at `friction` long
+Vec3 coulomb_along(const Encounter& e, const Coefficients& c, const Vec3& limit) {
   const Vec3& N = e.n_AB_W;
   const double approach = e.u_W.dot(N);
-  const Vec3 slip = e.u_W - approach * N;
-  const double speed = slip.norm();
   Vec3 F = -divide(Eigen::LLT<Mat3>(e.K_W), e.u_W + c.elasticity * approach * N);
   const double Fn = -F.dot(N);
   if (const Vec3 Ft = F + Fn * N; Ft.norm() > c.friction * Fn) {
-    const Vec3 direction = speed > 0.0 ? Vec3(N + c.friction / speed * slip) : N;
-    const double seen = N.dot(e.K_W * direction);
+    const double seen = N.dot(e.K_W * limit);
     // If friction is so strong that it would pull the bodies together, use only the normal part.
-    F = seen > 0.0 ? Vec3(-(1.0 + c.elasticity) * approach / seen * direction)
+    F = seen > 0.0 ? Vec3(-(1.0 + c.elasticity) * approach / seen * limit)
                    : Vec3((1.0 + c.elasticity) * impulse_inelastic_smooth(e));
   }
   const Vec3 F00 = impulse_inelastic_smooth(e), more = F - F00;
@@ -75,6 +91,22 @@ Vec3 coulomb_impulse(const Encounter& e, const Coefficients& c) {
   const double c0 = energy_added(e, F00);
   const double root = std::sqrt(std::max(0.0, b * b - 4.0 * a * c0));
   return F00 + (b > 0.0 ? -2.0 * c0 / (b + root) : (root - b) / (2.0 * a)) * more;
+}
+
+/// Friction opposes any slip, also one that is rounding; without one there is no friction.
+Vec3 coulomb_impulse_to_rules_7(const Encounter& e, const Coefficients& c) {
+  const Vec3 slip = slip_of(e);
+  const double speed = slip.norm();
+  return coulomb_along(e, c, speed > 0.0 ? Vec3(e.n_AB_W + c.friction / speed * slip) : e.n_AB_W);
+}
+
+}  // namespace
+
+Vec3 coulomb_impulse(const Encounter& e, const Coefficients& c) {
+  const Vec3 slip = slip_of(e);
+  const double speed = slip.norm();
+  if (speed > kNoSlip * std::abs(e.u_W.dot(e.n_AB_W))) return coulomb_impulse_to_rules_7(e, c);
+  return coulomb_along(e, c, e.n_AB_W + c.friction * direction_that_begins(e));
 }
 
 Sliding paper_sliding(double friction, double dt, double tau) {
@@ -93,6 +125,13 @@ std::span<const Response> responses() {
        "momentum always; energy for elasticity 1 with friction 0; energy never grows"},
   }};
   return kResponses;
+}
+
+const Response& response_under(std::string_view name, int rules) {
+  static const Response kCoulombToRules7{"coulomb", coulomb_impulse_to_rules_7, coulomb_sliding,
+                                         responses()[1].keeps};
+  const Response& response = response_named(name);
+  return name == kCoulombToRules7.name && rules <= 7 ? kCoulombToRules7 : response;
 }
 
 const Response& response_named(std::string_view name) {

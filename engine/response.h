@@ -50,7 +50,8 @@ Vec3 paper_impulse(const Encounter& e, const Coefficients& c);
 /// Newton's restitution with Coulomb's friction.
 ///
 /// u'.N = -elasticity u.N; the tangential part sticks (u' along N) if |Ft| <= friction |Fn| allows
-/// it. Otherwise it opposes the slip with just that strength. Where these two laws would add energy
+/// it. Otherwise it opposes the slip with just that strength; for bodies that meet without a slip, that which the
+/// normal impulse begins. Where these two laws would add energy
 /// (the slip reverses within the impact), F is moved towards F00 until it adds none. Keeps linear
 /// and angular momentum; keeps the energy for elasticity 1, friction 0.
 Vec3 coulomb_impulse(const Encounter& e, const Coefficients& c);
@@ -84,5 +85,9 @@ std::span<const Response> responses();
 
 /// @throws std::invalid_argument  for a name that is none of `responses()`, naming them
 const Response& response_named(std::string_view name);
+
+/// The same under rules of the step (Parameters::rules): to 7, `coulomb` had no friction where bodies meet
+/// without a slip, or took the direction of a slip that was rounding.
+const Response& response_under(std::string_view name, int rules);
 
 }  // namespace headpin::engine

@@ -69,6 +69,8 @@ inline bool keeps_rooms_exact(const Parameters& p) {
   return p.rules >= 7;
 }
 
+// Since rules 8: Coulomb's law where bodies meet without a slip. See response_under() in response.h.
+
 /// The query with what older rules lack switched off.
 inline Query query_under(const Parameters& p) {
   Query query = p.query;

@@ -12,7 +12,7 @@ namespace headpin::engine {
 namespace {
 
 constexpr std::string_view kMagic = "HPWORLD";
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kVersion = 2;
 
 [[noreturn]] void refuse(const std::string& why) {
   throw std::invalid_argument("saved world: " + why);
@@ -32,6 +32,11 @@ void add_shape(SavedWriter& w, const Shape& shape) {
     }
     void operator()(const Polyhedron& s) const {
       for (const Vec3& v : s.vertices()) w.add(v);
+      for (const Polyhedron::Face& face : s.faces()) {  // the same corners may have other faces
+        const auto corners = s.corners(face);
+        w.add(static_cast<std::uint32_t>(corners.size()));
+        for (const std::uint32_t corner : corners) w.add(corner);
+      }
     }
     void operator()(const HalfSpace&) const {}
   };
@@ -40,7 +45,7 @@ void add_shape(SavedWriter& w, const Shape& shape) {
 }
 
 /// Hash of all that does not change: parameters, and bodies without the difference of free and
-/// driven.
+/// driven, and without tables of friction.
 std::uint64_t made_of(const World& world) {
   SavedWriter w;
   const Parameters& p = world.parameters;
@@ -51,6 +56,8 @@ std::uint64_t made_of(const World& world) {
   w.add(p.query.cap);
   w.add(p.query.warm);
   w.add(p.query.last);
+  for (const bool flag : {p.query.steady, p.query.faces, p.query.boxes}) w.add(flag);
+  w.add(p.query.margin);
   for (const double x : {p.friction_tau, p.impact_speed, p.solver_residual, p.slop, p.push,
                          p.sleep_speed, p.sleep_spin, p.sleep_after}) {
     w.add(x);
@@ -66,6 +73,16 @@ std::uint64_t made_of(const World& world) {
          {body.material.elasticity, body.material.friction, body.material.rolling_arm}) {
       w.add(x);
     }
+    w.add(body.exact);
+    w.add(body.table != nullptr);
+    w.add(static_cast<std::uint32_t>(body.areas.size()));
+    for (const FrictionArea& area : body.areas) {
+      for (const double x :
+           {area.low.x(), area.low.y(), area.high.x(), area.high.y(), area.friction}) {
+        w.add(x);
+      }
+    }
+    w.add(static_cast<std::uint32_t>(body.shape->parts.size()));
     for (const Part& part : body.shape->parts) {
       add_shape(w, part.shape);
       w.add(part.X_BG.p);

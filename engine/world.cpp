@@ -41,7 +41,7 @@ void check_parameters(const Parameters& p) {
   expect_between(p.solver_residual, 0.0, 1.0, "solver_residual [m/s]");
   expect_between(p.slop, 0.0, 0.1, "slop [m]");
   expect_between(p.push, 0.0, 1.0, "push");
-  expect_between(p.rules, 1, 7, "rules");
+  expect_between(p.rules, 1, 8, "rules");
   expect_between(p.sleep_speed, 0.0, 10.0, "sleep_speed [m/s]");
   expect_between(p.sleep_spin, 0.0, 100.0, "sleep_spin [rad/s]");
   expect_between(p.sleep_after, 0.0, 1e4, "sleep_after [s]");
@@ -72,6 +72,9 @@ void check_table(const Body& body, const std::string& who) {
   if (body.kind != Kind::fixed) {
     throw std::invalid_argument(who + ": table of friction: expected a fixed body");
   }
+  expect(std::isfinite(table.low_x), who + ": begin of the table of friction [m]",
+         "a finite number", table.low_x);
+  expect(table.columns > 0, who + ": columns of the table of friction", "1 or more", 0.0);
   expect(table.width > 0.0, who + ": width of a column of friction [m]", "above 0", table.width);
   for (std::size_t i = 1; i < table.edges.size(); ++i) {
     expect(table.edges[i - 1] < table.edges[i], who + ": edge of a row of friction [m]",
@@ -196,7 +199,7 @@ World make_world(const Parameters& parameters, SameLayout) {
   World world;
   world.parameters = parameters;
   world.parameters.query = detail::query_under(parameters);
-  world.response = &response_named(parameters.response);
+  world.response = &response_under(parameters.response, parameters.rules);
   return world;
 }
 
@@ -360,6 +363,11 @@ void set_friction(World& world, BodyId body, std::shared_ptr<const FrictionTable
 }
 
 void take_over(World& world, const World& from) {
+  if (from.bodies.size() != world.bodies.size()) {
+    throw std::invalid_argument("take_over: expected a world with " +
+                                std::to_string(world.bodies.size()) + " bodies, found " +
+                                std::to_string(from.bodies.size()));
+  }
   world.tick = from.tick;
   world.ledger = from.ledger;
   world.states = from.states;

@@ -49,7 +49,7 @@ struct Parameters {
   double sleep_speed = 0.01;  ///< [m/s]
   double sleep_spin = 0.03;   ///< [rad/s]
   double sleep_after = 0.25;  ///< [s]
-  int rules = 7;              ///< 1 to 6 are those of older trials; what they lack is in rules.h
+  int rules = 8;              ///< 1 to 7 are those of older trials; what they lack is in rules.h
   bool keep_ledger = false;   ///< `World::ledger`; costs about a tenth of a step
 };
 
@@ -189,6 +189,7 @@ void set_friction(World& world, BodyId body, std::shared_ptr<const FrictionTable
 /// Copies states, kinds, sleep, meetings, tick and ledger from another world with the same bodies,
 /// which may have other shapes, masses and materials. Impulses and normals for the warm start are
 /// not copied, because they belong to the other shapes.
+/// @throws std::invalid_argument  for another number of bodies
 void take_over(World& world, const World& from);
 
 /// One step of 1 / rate_hz.

@@ -223,8 +223,8 @@ void visit(V& v, Collision& c) {
           "sleeping: bodies at rest are not simulated until something touches them. Skittles begin "
           "asleep; without sleeping they stay awake from their first touch on");
   v.field(
-      "rules", c.rules, Range{1, 7},
-      "rules of the simulation step. 7: today's; 6: as before, with the paper's detection also against lanes with gutters, kick-backs and panels, which balls went through; "
+      "rules", c.rules, Range{1, 8},
+      "rules of the simulation step. 8: today's; 7: as before, with no friction, or one in a random direction, under the response coulomb where bodies meet without a slip; 6: also with the paper's detection against lanes with gutters, kick-backs and panels, which balls went through; "
       "5: also with bodies that slide under the response coulomb up to half a step "
       "behind; 4: also with a search for every part of a body over a single face, and upright pins on three points of a floor without gutters; 3: also with crowds that creep and fall, "
       "and friction not quite opposite to the slip; 2: also with errors for bodies that turn far "

@@ -152,6 +152,26 @@ TEST(SideOnSide, WorksForConesToo) {
   EXPECT_NEAR(points[0].depth, 1e-3, 1e-8);
 }
 
+// A cone as flat as a dish, met exactly along its axis, is met at its tip.
+TEST(TipOfADish, IsMetAtItself) {
+  const Cone dish{0.3, 0.02};
+  const Shape bases[] = {Cylinder{0.1, 0.1}, test::box({0.1, 0.1, 0.1}), dish};
+  for (const Shape& base : bases) {
+    const bool cone = std::holds_alternative<Cone>(base);
+    const Pose X_AB{cone ? Quat(0.0, 1.0, 0.0, 0.0) : Quat::Identity(),
+                    {0.0, 0.0, 0.01 + (cone ? 0.01 : 0.1) - 1e-4}};
+    for (const auto& points :
+         {contacts(dish, {}, base, X_AB, 1e-4), contacts(base, X_AB, dish, {}, 1e-4)}) {
+      ASSERT_GE(points.size(), 1u);
+      for (const ContactPoint& point : points) {
+        ASSERT_TRUE(point.p_W.allFinite()) << kind(base);
+        EXPECT_LT((point.p_W - Vec3(0.0, 0.0, 0.01)).norm(), 1e-3) << kind(base);
+        EXPECT_NEAR(point.depth, 1e-4, 1e-6);
+      }
+    }
+  }
+}
+
 // Round things touch in one point.
 TEST(RoundOnAnything, HasOnePoint) {
   const auto points = contacts(Ellipsoid{{0.1, 0.1, 0.1}}, {}, Cylinder{0.1, 0.3},

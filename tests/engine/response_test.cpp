@@ -262,6 +262,54 @@ TEST(PaperImpulse, LeavesATangentialVelocityAloneWithoutFriction) {
   EXPECT_EQ(after.z(), -0.7);
 }
 
+// Two bodies that meet along the normal, whose masses lie beside it: the normal impulse begins a slip.
+TEST(CoulombImpulse, OpposesTheSlipThatBeginsWhereThereIsNone) {
+  Draw draw(11);
+  int limited = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Coefficients c{draw.uniform(0.0, 1.0), draw.uniform(0.01, 0.5)};
+    Encounter e = draw.pair(10.0).encounter();
+    const Vec3& N = e.n_AB_W;
+    e.u_W = 2.5 * N;
+    const Vec3 F = coulomb_impulse(e, c);
+    const double Fn = -F.dot(N);
+    const Vec3 Ft = F + Fn * N;
+    const Vec3 begins = -(e.K_W * N - N.dot(e.K_W * N) * N);  // by an impulse against N on A
+    ASSERT_GT(Fn, 0.0);
+    EXPECT_LE(Ft.norm(), c.friction * Fn * (1.0 + 1e-9));
+    EXPECT_LE((e.u_W + e.K_W * F).dot(N), 1e-9);
+    if (Ft.norm() > (1.0 - 1e-12) * c.friction * Fn) {
+      ++limited;
+      EXPECT_NEAR(Ft.normalized().dot(begins.normalized()), -1.0, 1e-9);
+    }
+    // Neither a turn of the frame nor a slip that is rounding changes it.
+    const Mat3 R = draw.turn().toRotationMatrix();
+    const Encounter turned{R * N, R * e.u_W, R * e.K_W * R.transpose()};
+    EXPECT_NEAR((R * F - coulomb_impulse(turned, c)).norm(), 0.0, 1e-9 * F.norm());
+    Encounter rounded = e;
+    rounded.u_W += 1e-15 * N.unitOrthogonal();
+    EXPECT_NEAR((F - coulomb_impulse(rounded, c)).norm(), 0.0, 1e-9 * F.norm());
+  }
+  EXPECT_GT(limited, 500);
+}
+
+TEST(CoulombImpulse, UnderRules7HadNoFrictionThere) {
+  Draw draw(12);
+  const Response& old = response_under("coulomb", 7);
+  int other = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Coefficients c{0.5, 0.1};
+    Encounter e = draw.pair(10.0).encounter();
+    EXPECT_EQ(old.impulse(e, c), coulomb_impulse(e, c));  // they slip: to the bit
+    e.u_W = 2.0 * Vec3::UnitZ();
+    e.n_AB_W = Vec3::UnitZ();
+    other += old.impulse(e, c) != coulomb_impulse(e, c) ? 1 : 0;
+  }
+  EXPECT_GT(other, 50);
+  EXPECT_EQ(&response_under("coulomb", 8), &response_named("coulomb"));
+  EXPECT_EQ(&response_under("paper", 1), &response_named("paper"));
+}
+
 TEST(PaperSliding, DecaysTheSameWhateverTheRate) {
   for (const double rate : {60.0, 240.0, 1000.0, 32000.0}) {
     const Sliding s = paper_sliding(0.49, 1.0 / rate, 1.0 / 60.0);

@@ -262,6 +262,47 @@ TEST(SavedWorld, IsRefusedByAWorldOfOtherBodiesOrParameters) {
   EXPECT_EQ(refusal(coulombs, at.bytes), other);
 }
 
+TEST(SavedWorld, IsRefusedByAWorldOfOtherFrictionFacesOrDetection) {
+  const AmongCollisions at;
+  const char* const other = "saved world: was made of other bodies or parameters";
+  World world = at.scene.bowling.world;
+  Body& lane = world.bodies[at.scene.bowling.lane];
+  lane.areas = {{{-1.0, 0.0}, {1.0, 2.0}, 0.05}};
+  EXPECT_EQ(refusal(world, at.bytes), other);
+  const Bytes oiled = save(world);
+  EXPECT_EQ(refusal(world, oiled), "accepted");
+  lane.areas[0].high.y() = 2.5;
+  EXPECT_EQ(refusal(world, oiled), other);
+  world = at.scene.bowling.world;
+  world.bodies[at.scene.bowling.lane].exact = !world.bodies[at.scene.bowling.lane].exact;
+  EXPECT_EQ(refusal(world, at.bytes), other);
+  for (bool Query::*flag : {&Query::steady, &Query::faces, &Query::boxes}) {
+    world = at.scene.bowling.world;
+    world.parameters.query.*flag = !(world.parameters.query.*flag);
+    EXPECT_EQ(refusal(world, at.bytes), other);
+  }
+  const auto box_with = [](const std::vector<std::vector<std::uint32_t>>& faces) {
+    std::vector<Vec3> corners;
+    for (int k = 0; k < 8; ++k) {
+      corners.emplace_back(0.1 * ((k & 1) != 0 ? 1.0 : -1.0), 0.1 * ((k & 2) != 0 ? 1.0 : -1.0),
+                           0.1 * ((k & 4) != 0 ? 1.0 : -1.0));
+    }
+    World made = make_world({});
+    add_body(
+        made,
+        {.name = "box", .shape = make_compound({{Polyhedron(corners, faces), {}}}), .mass = 1.0});
+    return made;
+  };
+  const std::vector<std::vector<std::uint32_t>> rest = {
+      {0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {4, 5, 7, 6}};
+  std::vector<std::vector<std::uint32_t>> whole = rest, halves = rest;
+  whole.push_back({0, 2, 3, 1});
+  halves.push_back({0, 2, 3});
+  halves.push_back({0, 3, 1});
+  EXPECT_EQ(refusal(box_with(whole), save(box_with(whole))), "accepted");
+  EXPECT_EQ(refusal(box_with(halves), save(box_with(whole))), other);
+}
+
 TEST(SavedWorld, IsRefusedByAWorldOfOtherShapes) {
   const auto world_of = [](const Part& part) {
     World world = make_world({});
