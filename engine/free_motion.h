@@ -41,7 +41,8 @@ double turning_energy(const Inertia& inertia, const Quat& q_WB, const Vec3& w_WB
 /// A body of revolution has the closed solution q' = exp(L dt / I1) q exp(e3 (1/I3 - 1/I1) L3 dt).
 /// If I1 != I2, a turn about the second axis for half the time, at rate (1/I2 - 1/I1) L2, comes
 /// before and after it. This symmetric splitting of the energy is composed to fourth order, in
-/// parts of a tenth of a radian. The energy then stays to 1e-6 at any speed.
+/// parts of a tenth of a radian, at most 1000 of them. The energy then stays to 1e-6 up to 100 radians in
+/// `dt`; beyond it, the parts are longer.
 void turn_freely(Quat& q_WB, Vec3& w_WB, const Inertia& inertia, double dt);
 
 }  // namespace headpin::engine

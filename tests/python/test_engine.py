@@ -108,6 +108,17 @@ class World(unittest.TestCase):
         self.assertEqual(len(touching), 1)
         np.testing.assert_allclose(np.abs(touching["normal"][0]), [0, 0, 1], atol=1e-12)
 
+    def test_an_exact_wall_stops_a_ball_under_the_papers_detection(self):
+        corners = [[0.1 if i & 1 else -0.1, 1 if i & 2 else -1, 1 if i & 4 else -1] for i in range(8)]
+        faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+        world = engine.World(gravity=[0, 0, 0], detection="paper")
+        wall = engine.Polyhedron(corners, faces)
+        world.add(engine.Body(wall, kind="fixed", elasticity=1, friction=0, exact=True))
+        number = world.add(engine.Body(engine.Ellipsoid([0.1] * 3), mass=5, elasticity=1, friction=0),
+                           [-2, 0, 0], velocity=[3, 0, 0])
+        world.step(480)
+        np.testing.assert_allclose(world.states[number]["velocity"], [-3, 0, 0], atol=0.01)
+
     def test_states_have_what_was_set(self):
         world = engine.World(gravity=[0, 0, 0])
         number = world.add(ball(kind="driven"), [1, 2, 3])

@@ -74,6 +74,12 @@ double deepest_ball(const std::string& path, std::int64_t rules) {
   return deepest;
 }
 
+// Made in November 2026, by the step of rules 7: ten pins under the response coulomb.
+TEST(ATrialOfRules7, ComesToTheHashesOfItsTime) {
+  const std::string path = HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-7.lcmlog";
+  EXPECT_EQ(replayed(path), (Hashes{"71f8cb91c99c4fb4", "478799a494bf1473"}));
+}
+
 // Made in November 2026, by the step of rules 6: the paper's detection searched a lane with gutters too, and
 // the ball went through it.
 TEST(ATrialOfRules6, ComesToTheHashesOfItsTimeAndItsBallStaysOnTheLaneUnderRules7) {

@@ -65,6 +65,7 @@ class Body:
         friction: float = 0.7,
         rolling_arm: float = 0.0,
         kind: _Kind = "free",
+        exact: bool = False,
     ) -> None: ...
     @property
     def name(self) -> str: ...
