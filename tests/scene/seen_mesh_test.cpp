@@ -361,6 +361,29 @@ TEST(SeenMesh, SetAnewHasAnotherHash) {
               HasSubstr("skittle.mesh: /nowhere/x.obj: cannot open"));
 }
 
+// What makes a mesh another size is checked as its file is; a trial replays where the file is not.
+TEST(SeenMesh, IsMeasuredAgainWhenSomethingElseSetsItsSize) {
+  const TemporaryFolder folder;
+  const std::filesystem::path pin = folder / "pin.obj", ball = folder / "ball.obj";
+  std::filesystem::copy_file(kMeshes / "skittle.obj", pin);
+  std::filesystem::copy_file(kMeshes / "ball.obj", ball);
+  Scenario seen;
+  set(seen, "skittle.mesh.file=" + pin.string());
+  set(seen, "ball.mesh.file=" + ball.string());
+  const std::string hash = seen.ball.mesh.sha256;
+  const auto refusal = [](Scenario scenario, const std::string& assignment) {
+    return complaint([&] { set(scenario, assignment); });
+  };
+  EXPECT_THAT(refusal(seen, "skittle.mesh.unit=0.001"), HasSubstr("its farthest point is"));
+  EXPECT_THAT(refusal(seen, "ball.mesh.axes='XYZ'"), HasSubstr("axes 'XYZ'"));
+  EXPECT_THAT(refusal(seen, "ball.radius=0.4"), HasSubstr("its farthest point is"));
+  set(seen, "ball.radius=0.11");
+  EXPECT_EQ(seen.ball.mesh.sha256, hash);
+  std::filesystem::remove(ball);
+  set(seen, "ball.radius=0.12");
+  EXPECT_EQ(seen.ball.mesh.file, ball.string());
+}
+
 TEST(SeenMesh, AGivenHashIsCheckedBeforeAndAfterItsFile) {
   const std::string file = "skittle.mesh.file=" + (kMeshes / "skittle.obj").string();
   const auto refusal = [](Scenario scenario, const std::vector<std::string>& assignments) {
