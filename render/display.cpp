@@ -33,30 +33,9 @@ std::vector<Cover> covers(int from, int to) {
   return all;
 }
 
-/// The lens of one eye, along and across its axis.
-struct Lens {
-  double k1, k2, T;
-
-  Lens(const View& view, const Optics& optics)
-      : k1(optics.lens_k1),
-        k2(optics.lens_k2),
-        T(std::max(std::abs(view.frustum.left), std::abs(view.frustum.right))) {}
-
-  double factor(double square) const {
-    return T * (1.0 + square * (k1 + square * k2)) / (1.0 + k1 + k2);
-  }
-  /// Position on the display of an edge in direction `t`, by bisection; the lens law is increasing.
-  double edge(double t) const {
-    double low = 0.0, high = 1.0;
-    while (high * factor(high * high) < std::abs(t)) high *= 2.0;
-    for (int i = 0; i < 60; ++i) {
-      const double middle = 0.5 * (low + high);
-      (middle * factor(middle * middle) < std::abs(t) ? low : high) = middle;
-    }
-    return std::copysign(0.5 * (low + high), t);
-  }
-  Vec2 direction(const Vec2& s) const { return factor(s.squaredNorm()) * s; }
-};
+Lens lens_of(const View& view, const Optics& optics) {
+  return {optics, std::max(std::abs(view.frustum.left), std::abs(view.frustum.right))};
+}
 
 /// The display's edges in units of the lens.
 Frustum edges_of(const Lens& lens, const Frustum& f) {
@@ -73,7 +52,7 @@ View relayed_view(View view, const Optics& optics) {
 /// The perspective view of all that the lens shows, at the resolution of its middle.
 View behind_lens(const View& shown, const Optics& optics) {
   if (!has_lens(optics)) return shown;
-  const Lens lens(shown, optics);
+  const Lens lens = lens_of(shown, optics);
   const Frustum s = edges_of(lens, shown.frustum);
   View drawn = shown;
   Frustum& f = drawn.frustum;
@@ -97,7 +76,7 @@ View behind_lens(const View& shown, const Optics& optics) {
 /// Calls put(pixel, x, y) for each pixel of a view; x, y is its place in the drawn view [pixels].
 template <typename Put>
 void look_through(const View& shown, const View& drawn, const Optics& optics, const Put& put) {
-  const Lens lens(shown, optics);
+  const Lens lens = lens_of(shown, optics);
   const Frustum s = edges_of(lens, shown.frustum);
   const Frustum& f = drawn.frustum;
   for (int j = 0; j < shown.height; ++j) {
@@ -206,10 +185,6 @@ Image area_filtered(const Image& image, int width, int height) {
 
 bool is_plain(const Optics& optics) {
   return optics.relay_width == 0 && optics.relay_height == 0 && !has_lens(optics);
-}
-
-bool has_lens(const Optics& optics) {
-  return optics.lens_k1 != 0.0 || optics.lens_k2 != 0.0;
 }
 
 View drawn_view(const View& shown, const Optics& optics) {

@@ -3,6 +3,7 @@
 #include "render/eyes.h"
 #include "render/image.h"
 #include "render/labels.h"
+#include "render/lens.h"
 
 /// Converts a perspective picture to that of a display: scaled to its pixels, with the inverse of
 /// its lens distortion.
@@ -13,9 +14,6 @@ Image area_filtered(const Image& image, int width, int height);
 
 /// Whether pictures are displayed without conversion.
 bool is_plain(const Optics& optics);
-
-/// Whether a lens distorts, so that the display is no pinhole camera.
-bool has_lens(const Optics& optics);
 
 /// The view to draw for a view of the display: of the scaled size, wider if a lens shows more in
 /// the corners, and with the resolution that the middle needs.

@@ -1,6 +1,9 @@
 #include "render/eyes.h"
 
+#include <algorithm>
 #include <numbers>
+
+#include "render/lens.h"
 
 namespace headpin::render {
 
@@ -26,8 +29,12 @@ Edges edges(const Optics& o) {
 }  // namespace
 
 double Optics::pixel_aspect() const {
-  const Edges e = edges(*this);
-  // The angle a pixel spans, across over down, taken on the picture plane.
+  Edges e = edges(*this);
+  if (has_lens(*this)) {  // its pixels are evenly spaced in the lens's own units
+    const Lens lens(*this, std::max(e.outer, e.inner));
+    e = {lens.edge(e.outer), lens.edge(e.inner), lens.edge(e.up), lens.edge(e.down)};
+  }
+  // The sides of a pixel on the picture plane, or on the display behind the lens.
   return (0.5 * (e.outer + e.inner) / width) / (0.5 * (e.up + e.down) / height);
 }
 

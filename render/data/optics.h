@@ -22,7 +22,8 @@ struct Optics {
   double lens_k1 = 0.0;  ///< lens distortion (render/display.h)
   double lens_k2 = 0.0;
 
-  /// Width of a pixel over its height: 1.405 for the default display.
+  /// Width of a pixel over its height on the display, as the lens shows it in its middle: 1.405 for
+  /// the default display.
   double pixel_aspect() const;
 };
 

@@ -26,6 +26,39 @@ TEST(Eyes, FocalLengthsAreThoseOf75By40Degrees) {
   EXPECT_NEAR(Optics{}.pixel_aspect(), fy / fx, 1e-12);
 }
 
+/// Where a lens with k1 and k2 shows a tangent, by the law of docs/frames.md: the s of 0 to 2 with
+/// s (1 + k1 s^2 + k2 s^4) / (1 + k1 + k2) = tangent / outer.
+double place_behind_lens(double tangent, double outer, double k1, double k2) {
+  double low = 0.0, high = 2.0;
+  for (int i = 0; i < 100; ++i) {
+    const double s = 0.5 * (low + high), square = s * s;
+    const bool short_of =
+        s * (1.0 + k1 * square + k2 * square * square) / (1.0 + k1 + k2) < tangent / outer;
+    (short_of ? low : high) = s;
+  }
+  return low;
+}
+
+// A display with a lens has its pixels evenly spaced on the display, not in the tangents.
+TEST(Eyes, PixelsOfADisplayWithALensAreAsWideAsTheirPlacesBehindIt) {
+  const auto tangent = [](double deg) { return std::tan(deg * 3.14159265358979 / 180.0); };
+  Optics lens = hmd_profile("flight-helmet-lens").optics;  // 208 x 139 pixels, 75.3 x 58.4 degrees
+  const double outer = tangent(37.65);
+  EXPECT_NEAR(lens.pixel_aspect(),
+              (1.0 / 208) / (place_behind_lens(tangent(29.2), outer, 0.32, 0.0) / 139), 1e-9);
+  EXPECT_NEAR(lens.pixel_aspect(), 0.8403, 1e-4);
+  // Every edge has its own place; s is 1 at the farther one.
+  lens.lens_k2 = 0.1;
+  lens.outer_deg = 40.0;
+  lens.inner_deg = 25.0;
+  lens.up_deg = 30.0;
+  lens.down_deg = 20.0;
+  const auto at = [&](double deg) {
+    return place_behind_lens(tangent(deg), tangent(40.0), 0.32, 0.1);
+  };
+  EXPECT_NEAR(lens.pixel_aspect(), ((1.0 + at(25.0)) / 208) / ((at(30.0) + at(20.0)) / 139), 1e-9);
+}
+
 TEST(Eyes, DisparityIsFocalLengthTimesEyeDistanceOverDepth) {
   const Optics optics;
   const auto [left, right] = eyes({}, optics);
