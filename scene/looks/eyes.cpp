@@ -10,7 +10,7 @@ namespace headpin::scene {
 namespace {
 
 /// The distance between opposite corners of the room, and a little more for objects behind its
-/// walls.
+/// walls: how far an eye in it sees, and an eye in it is from the world's origin at most [m].
 double farthest_seen(const Room& room) {
   return 1.0 + std::hypot(room.width, room.height, room.behind + room.ahead);
 }
@@ -39,7 +39,7 @@ Eyes open_eyes(const Stage& stage, const render::Quality& look, std::string_view
   render::Renderer renderer(render::open_context(gl), look);
   Looks looks(renderer, stage);
   render::Optics optics = stage.scenario.hmd.optics;
-  optics.far = std::max(optics.far, farthest_seen(stage.scenario.room));
+  optics.far = std::max(optics.far, looks.room_reach + farthest_seen(stage.scenario.room));
   return {std::move(renderer), std::move(looks), optics};
 }
 
@@ -77,8 +77,8 @@ Pose side_camera(const Scenario& scenario) {
 
 std::array<render::View, 2> views_of(const Eyes& eyes, const Glimpse& g) {
   if (!g.X_WC) return render::eyes(g.X_WD, eyes.optics);
-  render::Optics optics = eyes.optics;  // the camera may be farther away than a head
-  optics.far += g.X_WC->p.norm();
+  render::Optics optics = eyes.optics;
+  optics.far += g.X_WC->p.norm();  // it may be farther away than a head
   return render::eyes(*g.X_WC, optics);
 }
 

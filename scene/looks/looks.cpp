@@ -205,6 +205,19 @@ std::size_t hand_at(double closed, std::size_t hands) {
   return static_cast<std::size_t>(std::lround(closed * static_cast<double>(hands - 1)));
 }
 
+namespace {
+
+/// The distance of a mesh's farthest point from its origin [m].
+double reach_of(const render::Mesh& mesh) {
+  double reach = 0.0;
+  for (const render::Vertex& vertex : mesh.vertices) {
+    reach = std::max(reach, vertex.p.cast<double>().norm());
+  }
+  return reach;
+}
+
+}  // namespace
+
 /// Adds the objects that never move, and the light.
 void Looks::add_room(const MeshKeeper& keeper, const Scenario& scenario) {
   const RoomMeasures measures = room_measures(scenario);
@@ -223,6 +236,7 @@ void Looks::add_room(const MeshKeeper& keeper, const Scenario& scenario) {
   still(meshes.front, true);
   const std::optional<render::Mesh> own = seen_mesh(scenario.room.mesh, Vec3::Constant(0.5), 0.0);
   still(own ? *own : meshes.walls, false);
+  if (own) room_reach = reach_of(*own);
 
   room.lamps = room_lamps(measures);
   room.sky = room_ambient().sky;

@@ -77,6 +77,7 @@ struct Looks {
   render::DrawList room;   ///< the parts that do not move, with light, patches and shadow box
   std::vector<render::Occluder> true_occluders, ellipsoid_occluders;  ///< of a skittle, p_BQ
   double ball_radius, skittle_centre;  ///< the latter of the stage's skittles
+  double room_reach = 0.0;  ///< of the room's own mesh from the world's origin [m]; 0 without one
 
  private:
   void add_skittle(const MeshKeeper& keeper, const Stage& stage);

@@ -317,6 +317,22 @@ TEST(SeenMesh, OfARoomIsInTheWorldInPlaceOfItsWalls) {
   EXPECT_NEAR(labels.depth[middle], 1.0 / std::cos(0.15), 0.02);
 }
 
+// A landscape around the lane, or a large hall: farther away than any room's own walls.
+TEST(SeenMesh, OfARoomIsSeenAsFarAsItReaches) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "hill.obj")  // 300 m behind the foul line, and as high
+      << "v 200 -300 -100\nv -200 -300 -100\nv -200 -300 300\nv 200 -300 300\nf 1 2 3 4\n";
+  const Scenario scenario =
+      parse_scenario("[room.mesh]\nfile = 'hill.obj'\n", (folder / "room.toml").string());
+  Eyes eyes = open_eyes(make_stage(scenario));
+  const Pose X_WD = looking_at(Vec3(0.0, 0.0, 1.6), Vec3(0.0, -300.0, 60.0));
+  const render::Labels labels = see_labels(eyes, glimpse(make_session(scenario), X_WD))[0];
+  const auto middle = static_cast<std::size_t>(labels.height / 2 * labels.width + labels.width / 2);
+  EXPECT_EQ(labels.id[middle], kRoomId);
+  // Half a pixel down, it is 0.1 m nearer or farther; so is a step of the depth buffer of 24 bits.
+  EXPECT_NEAR(labels.depth[middle], std::hypot(300.0, 58.4), 0.5);
+}
+
 TEST(SeenMesh, OfATrialIsFoundAgainByItsHash) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "lab");
