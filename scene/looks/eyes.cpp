@@ -78,6 +78,7 @@ Pose side_camera(const Scenario& scenario) {
 std::array<render::View, 2> views_of(const Eyes& eyes, const Glimpse& g) {
   if (!g.X_WC) return render::eyes(g.X_WD, eyes.optics);
   render::Optics optics = eyes.optics;
+  optics.outward_deg = 0.0;        // both pictures of a camera look where it looks
   optics.far += g.X_WC->p.norm();  // it may be farther away than a head
   return render::eyes(*g.X_WC, optics);
 }

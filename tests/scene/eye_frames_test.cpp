@@ -247,6 +247,21 @@ TEST(Eyes, SeeTheSkittlesOfALongRoom) {
   }
 }
 
+// The eyes of some displays are turned outward; a camera elsewhere in the room is not.
+TEST(Eyes, OfACameraLookWhereItLooks) {
+  Scenario scenario;
+  scenario.hmd.optics.outward_deg = 12.0;
+  Eyes eyes = open_eyes(make_stage(scenario));
+  for (const Pose& X_WC :
+       {top_camera(scenario), side_camera(scenario), third_person_camera(scenario)}) {
+    for (const render::View& view : views_of(eyes, {.X_WC = X_WC})) {
+      EXPECT_NEAR(view.X_WE.q.angularDistance(X_WC.q), 0.0, 1e-7);
+    }
+  }
+  const auto [left, right] = views_of(eyes, {.X_WD = Pose()});
+  EXPECT_NEAR(left.X_WE.q.angularDistance(right.X_WE.q), 24.0 * std::numbers::pi / 180.0, 1e-7);
+}
+
 // A relayed picture has the display's size and about the light of one that is drawn in it.
 TEST(Eyes, ShowWhatTheDisplayShows) {
   std::vector<render::Image> pictures;
