@@ -80,13 +80,18 @@ inline void paste(const Image& fine, const PixelRect& part, Image& whole_view) {
   }
 }
 
-/// The finest grid whose samples are at most a quarter of those of the whole view, if it is finer
-/// than the view's.
+/// The finest grid whose samples are at most a quarter of those of the whole view and whose sides
+/// OpenGL can draw into, if it is finer than the view's.
+///
+/// @param largest  width and height of a grid at most [samples]
 inline std::optional<SampleGrid> finer_grid(const SampleGrid& grid, const View& view,
-                                            const PixelRect& part) {
+                                            const PixelRect& part, int largest) {
   const double most = 0.25 * grid.a_pixel() * view.width * view.height;
   for (SampleGrid finer{8}; finer.n > grid.n; --finer.n) {
-    if (static_cast<double>(finer.a_pixel()) * part.width * part.height <= most) return finer;
+    const int longer =
+        std::max(finer.width(part.width, part.height), finer.height(part.width, part.height));
+    const double samples = static_cast<double>(finer.a_pixel()) * part.width * part.height;
+    if (samples <= most && longer <= largest) return finer;
   }
   return std::nullopt;
 }

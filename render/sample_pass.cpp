@@ -11,10 +11,15 @@ constexpr std::array kTurns = {Surface::lit, Surface::floor, Surface::baked};
 
 }  // namespace
 
-int SamplePass::most_pixels() const {
+/// The largest width and height of what OpenGL draws into [samples].
+int SamplePass::largest_side() const {
   GLint largest = 0;
   gl_.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
-  return largest / (grid_.n + grid_.turn()) - 1;
+  return largest;
+}
+
+int SamplePass::most_pixels() const {
+  return largest_side() / (grid_.n + grid_.turn()) - 1;
 }
 
 void SamplePass::draw(const EyeScene& scene, const View& view, std::size_t number) {
@@ -27,7 +32,7 @@ Image SamplePass::read(const EyeScene& scene, const View& view, std::size_t numb
   if (grid_.n == 1) return image;
   const std::optional<PixelRect> part = small_part(scene, view);
   if (!part) return image;
-  const std::optional<SampleGrid> finer = finer_grid(grid_, view, *part);
+  const std::optional<SampleGrid> finer = finer_grid(grid_, view, *part, largest_side());
   if (!finer) return image;
   draw_part(scene, view, *part, *finer, finer_target_);
   paste(read_part(*finer_target_, *part, *finer), *part, image);

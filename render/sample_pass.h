@@ -23,8 +23,10 @@ class SamplePass {
              const ContactPass& contact, int samples)
       : gl_(gl), meshes_(meshes), surfaces_(surfaces), contact_(contact), grid_{samples} {}
 
-  /// The largest width and height of a view.
+  /// The largest width and height of a view [pixels].
   int most_pixels() const;
+  /// How many samples it takes of each pixel.
+  int a_pixel() const { return grid_.a_pixel(); }
 
   /// Draws a view; the scene has its place and its projection already.
   ///
@@ -34,6 +36,7 @@ class SamplePass {
   Image read(const EyeScene& scene, const View& view, std::size_t number);
 
  private:
+  int largest_side() const;
   void draw_all(const EyeScene& scene) const;
   void lay_grid(EyeScene& scene, const View& whole, const PixelRect& part,
                 const SampleGrid& laid) const;

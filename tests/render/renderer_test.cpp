@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "render/finer_part.h"
 #include "render/osmesa_context.h"
 #include "tests/render/drawn_scenes.h"
 
@@ -166,6 +167,38 @@ TEST(Picture, OfSomethingSmallIsDrawnFinerThereAndOnlyThere) {
     EXPECT_LE(there, 2);
     EXPECT_GT(elsewhere, 10);
   }
+}
+
+// Small things at both ends of a wide picture: a grid of 65 samples a pixel would be 40000 wide.
+TEST(Picture, OfSmallThingsFarApartIsDrawnAsFineAsOpenGlCan) {
+  BallScene scene;
+  scene.list.items[0].casts_shadow = true;
+  scene.list.items[0].scale = Vec3::Constant(0.1);
+  scene.list.items.push_back(scene.list.items[0]);
+  View view = eyes(looking_ahead({0, 0, 0}), {})[0];
+  view.X_WE.p = Vec3::Zero();
+  view.width = 5400;
+  const double aside = 0.7, ahead = 4.0, pixel_width = 2.0 * view.frustum.right / view.width;
+  scene.list.items[0].X_WG.p = {-aside * ahead, ahead, 0.0};
+  scene.list.items[1].X_WG.p = {aside * ahead, ahead, 0.0};
+  const Image image = picture(scene.renderer, scene.list, view);
+  const int off = static_cast<int>(aside / pixel_width);
+  EXPECT_GT(pixel(image, 2700 - off, 119) + pixel(image, 2700 - off, 120), 100);
+  EXPECT_GT(pixel(image, 2700 + off, 119) + pixel(image, 2700 + off, 120), 100);
+}
+
+TEST(FinerGrid, IsTheFinestOfAQuarterOfTheSamplesWhoseSidesFit) {
+  const View view{.X_WE = {}, .frustum = {-1, 1, -1, 1}, .width = 5450, .height = 240};
+  const PixelRect part{0, 0, 5000, 8};
+  const auto n = [&](int largest) {
+    const auto finer = finer_grid(SampleGrid{2}, view, part, largest);
+    return finer ? finer->n : 0;
+  };
+  EXPECT_EQ(n(1 << 20), 6);  // 37 samples of 40000 pixels; a quarter of the view's is 1635000
+  EXPECT_EQ(n(30008), 6);    // 6 * 5000 + 8
+  EXPECT_EQ(n(30007), 5);
+  EXPECT_EQ(n(16384), 3);
+  EXPECT_EQ(n(15000), 0);
 }
 
 TEST(Picture, OfALookThatMirrorsIsTheSameWhereNothingIsPolished) {
