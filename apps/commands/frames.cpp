@@ -398,7 +398,8 @@ void add_output_options(CLI::App& command, FramesOptions& options, OfTheTask& ta
   command.add_flag(
       "--depth", options.files.depth,
       "write the depth of each pixel along the viewing axis: NAME_depth.png has millimetres in 16 "
-      "bits, 0 where nothing is seen; NAME_depth.raw has metres as 32-bit floats");
+      "bits, 0 where nothing is seen and 65535 also for all beyond 65.535 m; NAME_depth.raw has "
+      "metres as 32-bit floats, of any depth");
   command.add_flag("--ids", options.files.ids,
                    "write which object each pixel shows: NAME_ids.png has 16-bit numbers, ids.csv "
                    "has the object of each number");
