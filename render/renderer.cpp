@@ -69,9 +69,13 @@ void Renderer::Impl::check(const DrawList& list, const View& view) const {
   }
   const int most = samples.most_pixels();
   if (view.width < 1 || view.height < 1 || view.width > most || view.height > most) {
+    const int each = samples.a_pixel();
     throw std::invalid_argument("view: " + std::to_string(view.width) + "x" +
-                                std::to_string(view.height) + " pixels, expected 1 to " +
-                                std::to_string(most));
+                                std::to_string(view.height) + " pixels with " +
+                                std::to_string(each) + (each == 1 ? " sample" : " samples") +
+                                " each, expected 1 to " + std::to_string(most) +
+                                " pixels on each side (hmd.width, hmd.height; fewer samples by "
+                                "look.samples allow more)");
   }
 }
 

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <thread>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "render/finer_part.h"
@@ -318,6 +319,25 @@ TEST(Renderer, RefusesWhatItCannotDraw) {
   broken.indices = {0, 1, 2};
   EXPECT_THROW(scene.renderer.add(broken), std::invalid_argument);
   EXPECT_THROW(Renderer(osmesa_context(), {.samples = 0}), std::invalid_argument);
+}
+
+TEST(Renderer, SaysHowManySamplesLimitASize) {
+  const auto said = [](int samples) -> std::string {
+    Renderer renderer(osmesa_context(), {.samples = samples});
+    View view = eyes({}, {})[0];
+    view.width = 1 << 20;
+    try {
+      picture(renderer, {}, view);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(said(1),
+              testing::StartsWith("view: 1048576x240 pixels with 1 sample each, expected"));
+  EXPECT_THAT(said(2), testing::HasSubstr(" with 5 samples each, expected 1 to "));
+  EXPECT_THAT(said(2), testing::HasSubstr("hmd.width, hmd.height"));
+  EXPECT_THAT(said(2), testing::HasSubstr("look.samples"));
 }
 
 TEST(OsMesa, TellsWhoDraws) {
