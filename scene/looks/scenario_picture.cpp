@@ -1,5 +1,6 @@
 #include "scene/looks/scenario_picture.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -11,14 +12,21 @@ namespace headpin::scene {
 
 namespace {
 
-constexpr int kWidth = 720;         // of each view [pixels]
+constexpr int kWidth = 720;     // of each view [pixels]
+constexpr int kTallest = 1800;  // likewise, so that OpenGL can draw it with all samples
+constexpr int kNarrowest = 90;
 constexpr double kEyeHeight = 1.6;  // [m]
 
-/// The field of view of a display, without its lenses and with square pixels.
+/// The field of view of a display, without its lenses and with square pixels. A very tall one is
+/// narrower; its pixels are not square where it would be less than kNarrowest wide.
 render::Optics square(render::Optics optics) {
   const render::Frustum f = render::eyes({}, optics)[0].frustum;
-  optics.width = kWidth;
-  optics.height = static_cast<int>(std::lround(kWidth * (f.top - f.bottom) / (f.right - f.left)));
+  const double tall = (f.top - f.bottom) / (f.right - f.left);
+  const auto pixels = [](double size, int least, int most) {
+    return static_cast<int>(std::lround(std::clamp<double>(size, least, most)));
+  };
+  optics.width = pixels(kTallest / tall, kNarrowest, kWidth);
+  optics.height = pixels(kWidth * tall, 1, kTallest);
   optics.relay_width = optics.relay_height = 0;
   optics.lens_k1 = optics.lens_k2 = 0.0;
   return optics;

@@ -104,6 +104,20 @@ TEST_F(ScenarioCommands, ADrawingShowsTheRoomFromFourSides) {
   expect_refusal("scenario check paper-room --gl osmesa", 2, "scenario check SCENARIO");
 }
 
+TEST_F(ScenarioCommands, ADrawingOfAVeryTallOrWideFieldOfViewIsOfASizeThatCanBeDrawn) {
+  write("tall.toml",
+        "[hmd]\nhorizontal_fov_deg = 20\nvertical_fov_deg = 100\n[look]\nsamples = 8\n");
+  ASSERT_EQ(headpin("scenario draw tall.toml -o tall.png").code, 0);
+  const render::Image tall = render::read_png(folder_ / "tall.png");
+  EXPECT_EQ(tall.height, 2 * 1800);
+  EXPECT_EQ(tall.width, 2 * 266);  // square pixels: 1800 tan 10 / tan 50 = 266.3
+  write("taller.toml", "[hmd]\nhorizontal_fov_deg = 1\nvertical_fov_deg = 170\n");
+  ASSERT_EQ(headpin("scenario draw taller.toml -o taller.png").code, 0);
+  EXPECT_EQ(render::read_png(folder_ / "taller.png").width, 2 * 90);
+  write("wide.toml", "[hmd]\nhorizontal_fov_deg = 170\nvertical_fov_deg = 1\n");
+  EXPECT_EQ(headpin("scenario draw wide.toml -o wide.png").code, 0);
+}
+
 TEST_F(ScenarioCommands, AGameOfTwoVersionsIsScoredReplayedAndVerified) {
   const scene::Scenario scenario =
       scene::load_scenario(HEADPIN_SOURCE_DIR "/assets/scenarios/paper-experiment.toml");
