@@ -45,6 +45,27 @@ std::string ratio(double x) {
   return std::to_string(best_over) + "/" + std::to_string(best_under);
 }
 
+struct CopySize {
+  long width, height;
+};
+
+/// Of the copy: it has at least 240 lines, square pixels, and even width and height for 4:2:0.
+CopySize size_of_copy(int width, int height, double pixel_aspect) {
+  const int times = height < 240 ? (240 + height - 1) / height : 1;
+  return {2 * std::lround(0.5 * times * width * pixel_aspect), 2 * ((times * height + 1) / 2)};
+}
+
+constexpr long kLargestOfH264 = 16384;  // the limit of the H.264 encoder
+
+/// @throws std::invalid_argument  when the copy would be larger than its encoder takes
+void require_size_of_copy(const CopySize& copy, const std::string& path) {
+  if (copy.width <= kLargestOfH264 && copy.height <= kLargestOfH264) return;
+  throw std::invalid_argument("video: the copy " + path + ", which has square pixels, would have " +
+                              std::to_string(copy.width) + "x" + std::to_string(copy.height) +
+                              " pixels, expected at most " + std::to_string(kLargestOfH264) +
+                              " on each side; --no-mp4 leaves it out");
+}
+
 constexpr int kSoundInput = 3;  // the descriptor of the sound in ffmpeg
 
 void append(std::vector<std::string>& words, const std::vector<std::string>& more) {
@@ -56,13 +77,10 @@ std::vector<std::string> arguments(int width, int height, std::int64_t fps, doub
                                    bool sound) {
   // With `file:`, because ffmpeg would take the part before a colon for a protocol.
   const std::string lossless = "file:" + lossless_path, copy = "file:" + copy_path;
-  // The copy has at least 240 lines, square pixels, and even width and height for 4:2:0.
-  const int times = height < 240 ? (240 + height - 1) / height : 1;
-  const int copy_height = 2 * ((times * height + 1) / 2);
-  const long copy_width = 2 * std::lround(0.5 * times * width * pixel_aspect);
+  const CopySize of_copy = size_of_copy(width, height, pixel_aspect);
   const std::string size = std::to_string(width) + "x" + std::to_string(height);
-  const std::string scale = "scale=" + std::to_string(copy_width) + ":" +
-                            std::to_string(copy_height) +
+  const std::string scale = "scale=" + std::to_string(of_copy.width) + ":" +
+                            std::to_string(of_copy.height) +
                             ":flags=bicubic:out_color_matrix=bt709:out_range=tv,setsar=1";
   std::vector<std::string> words = {"ffmpeg", "-hide_banner", "-nostdin", "-loglevel", "error",
                                     "-xerror", "-y",
@@ -146,12 +164,14 @@ VideoFiles open_video(const std::filesystem::path& path, base::OutputFile::Optio
 VideoWriter::VideoWriter(VideoFiles files, int width, int height, std::int64_t fps,
                          double pixel_aspect, int sound)
     : path_(files.lossless.path()), files_(std::move(files)), width_(width), height_(height) {
-  constexpr int kLargest = 16384;  // the limit of the H.264 encoder
-  if (width < 2 || height < 2 || width > kLargest || height > kLargest || fps < 1 ||
+  if (width < 2 || height < 2 || width > kLargestOfH264 || height > kLargestOfH264 || fps < 1 ||
       !(pixel_aspect > 0.01 && pixel_aspect < 100.0)) {
     throw std::invalid_argument("video: " + std::to_string(width) + "x" + std::to_string(height) +
                                 " pixels, " + std::to_string(fps) + " a second, pixel aspect " +
                                 std::to_string(pixel_aspect));
+  }
+  if (files_->copy) {
+    require_size_of_copy(size_of_copy(width, height, pixel_aspect), files_->copy->path());
   }
   // A socket, not a pipe: send() can be told to fail where write() would raise SIGPIPE.
   std::array<int, 2> ends{};

@@ -125,6 +125,20 @@ TEST_F(Video, HasACopyThatPlaysAnywhere) {
   EXPECT_LT(bytes.find("moov"), bytes.find("mdat"));  // a player can start before all is there
 }
 
+// Its encoder takes 16384 pixels at most; the lossless video keeps the pixels as they are.
+TEST_F(Video, WhoseCopyWouldBeTooWideSaysSoBeforeItBegins) {
+  const std::string said =
+      message_of([&] { VideoWriter(open_video(file()), 6000, 24, 60, 1.405); });
+  EXPECT_THAT(said, testing::HasSubstr(copy().string()));
+  EXPECT_THAT(said, testing::HasSubstr("would have 84300x240 pixels"));  // 6000 * 10 * 1.405
+  EXPECT_THAT(said, testing::HasSubstr("--no-mp4"));
+  EXPECT_EQ(files(), 0u);
+  VideoWriter alone(open_video(file(), {}, false), 6000, 24, 60, 1.405);
+  alone.add({6000, 24, std::vector<std::uint8_t>(std::size_t{3} * 6000 * 24, 99)});
+  alone.close();
+  EXPECT_EQ(files(), 1u);
+}
+
 TEST_F(Video, OfOddSizeIsMade) {
   VideoWriter video(open_video(file()), 33, 17, 60, 1.0);
   video.add({33, 17, std::vector<std::uint8_t>(std::size_t{3} * 33 * 17, 99)});
