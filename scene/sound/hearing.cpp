@@ -29,9 +29,12 @@ SoundingBody sounding(const Stage& stage, engine::BodyId body) {
       .surface = is_ball ? surface_of_ball(scenario.ball) : surface_of_skittle(scenario.skittle),
       .modes = is_ball ? modes_of_ball(scenario.ball) : modes_of_skittle(scenario.skittle),
       .line = DelayLine(longest_delay(stage.room, scenario.rates.physics_hz))};
+  const auto too_high = [](const Mode& m) { return m.frequency > 0.4 * kSoundRate; };
+  std::erase_if(source.modes, too_high);
   source.own = source.modes.size();
-  for (const Mode& mode : modes_of_lane(stage.room)) source.modes.push_back(mode);
-  std::erase_if(source.modes, [](const Mode& m) { return m.frequency > 0.4 * kSoundRate; });
+  for (const Mode& mode : modes_of_lane(stage.room)) {
+    if (!too_high(mode)) source.modes.push_back(mode);
+  }
   for (const Mode& mode : source.modes) source.resonators.emplace_back(mode);
   if (is_ball) {
     const double weight = scenario.ball.mass * scenario.collision.gravity;
