@@ -166,9 +166,9 @@ void FastrakEmulator::measure(std::size_t station, Time at) {
   const int number = static_cast<int>(station) + 1;
   FastrakSolution& solution = solutions_[station];
   const bool pulled_out = !plugged(station, at);
-  Time when = at;
-  for (const StationFault& stuck : options_.faults.stuck) {
-    if (stuck.station == number && stuck.when.holds(at)) when = stuck.when.from;
+  Time when = at, cycle = tick_time(cycle_, kFastrakCycleRate);
+  for (const StationFault& stuck : options_.faults.stuck) {  // its noise stands still as well
+    if (stuck.station == number && stuck.when.holds(at)) when = cycle = stuck.when.from;
   }
   const FastrakTruth truth = motion_(number, when);
   const FastrakStationSetup& setup = memory_.setup.stations[station];
@@ -186,8 +186,7 @@ void FastrakEmulator::measure(std::size_t station, Time at) {
   if (range > kFastrakRange && solution.error == ' ') solution.error = 'k';
   if (memory_.setup.sync == 2 && solution.error == ' ') solution.error = 'v';
   const FastrakNoise noise = noise_at(range);
-  Random random(options_.seed, kNoise + station,
-                static_cast<std::uint64_t>(tick_time(cycle_, kFastrakCycleRate).count()));
+  Random random(options_.seed, kNoise + station, static_cast<std::uint64_t>(cycle.count()));
   X_TS.p += options_.faults.noise * noise.position * random.normal3();
   X_TS.q = rotation(options_.faults.noise * noise.rotation * random.normal3()) * X_TS.q;
 

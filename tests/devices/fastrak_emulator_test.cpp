@@ -321,13 +321,15 @@ TEST(FastrakFaultTest, SilenceIsDeafAndDumbAndEndsByItself) {
 }
 
 TEST(FastrakFaultTest, AStuckReceiverRepeatsItself) {
-  Unit unit(with_faults("noise=0,stuck=2@1-2"), circling_motion);
-  unit.listen(1200ms);
-  const std::string first = unit.ask("P"), second = unit.ask("P");
-  EXPECT_EQ(first.substr(47), second.substr(47));
-  EXPECT_NE(first.substr(0, 47), second.substr(0, 47));
-  unit.listen(1s);
-  EXPECT_NE(unit.ask("P").substr(47), first.substr(47));
+  for (const char* faults : {"noise=0,stuck=2@1-2", "stuck=2@1-2", "noise=20,stuck=2@1-2"}) {
+    Unit unit(with_faults(faults), circling_motion);
+    unit.listen(1200ms);
+    const std::string first = unit.ask("P"), second = unit.ask("P");
+    EXPECT_EQ(first.substr(47), second.substr(47)) << faults;
+    EXPECT_NE(first.substr(0, 47), second.substr(0, 47)) << faults;
+    unit.listen(1s);
+    EXPECT_NE(unit.ask("P").substr(47), first.substr(47)) << faults;
+  }
 }
 
 TEST(FastrakFaultTest, AnUnpluggedReceiverSaysSoAndIsMissedAtTheNextStart) {
