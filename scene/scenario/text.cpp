@@ -138,8 +138,9 @@ class Reader {
 
   /// The node as a list of `size` numbers (any number of them for size 0).
   /// @param entry  of a list of such lists, from 1; 0 where it is none
+  /// @param whole  whether fractions are refused
   std::vector<double> numbers(const toml::node& node, const std::string& path, std::size_t size,
-                              Range range, std::size_t entry = 0) const {
+                              Range range, std::size_t entry = 0, bool whole = false) const {
     const auto named = [&](std::size_t item) {
       return fmt::format("{}{}{}", path, entry == 0 ? "" : fmt::format(", entry {}", entry),
                          item == 0 ? "" : fmt::format(", number {}", item));
@@ -151,8 +152,10 @@ class Reader {
     }
     std::vector<double> values;
     for (const toml::node& item : *array) {
-      if (!is_number(item, range))
-        refuse(item, named(values.size() + 1), number_from_to("number", range));
+      if (!is_number(item, range) || (whole && !item.is_integer())) {
+        refuse(item, named(values.size() + 1),
+               number_from_to(whole ? "whole number" : "number", range));
+      }
       values.push_back(*item.value<double>());
     }
     return values;
@@ -303,7 +306,8 @@ class Reader {
     value.clear();
     for (const toml::node& item : *array) {
       std::vector<std::uint32_t>& face = value.emplace_back();
-      for (const double corner : numbers(item, path, 0, Range{0, kMostOfHull}, value.size())) {
+      for (const double corner :
+           numbers(item, path, 0, Range{0, kMostOfHull}, value.size(), true)) {
         face.push_back(static_cast<std::uint32_t>(corner));
       }
     }

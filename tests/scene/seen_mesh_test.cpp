@@ -280,6 +280,9 @@ TEST(PolyhedronPart, ThatIsNoneIsRefusedWithItsPlace) {
               HasSubstr("skittle.parts: 0.0096774 m high, expected 0.05 to 2"));
   EXPECT_THAT(refusal(hull_scenario(", corners = [[0, 0, 0]], faces = [[0, 1, 9]]")),
               HasSubstr("lane.toml:2: skittle.parts: polyhedron"));
+  EXPECT_THAT(refusal(hull_scenario(", corners = [[0, 0, 0]], faces = [[0, 1, 2], [3, 86.9, 1]]")),
+              HasSubstr("lane.toml:2: skittle.parts, part 1: faces, entry 2, number 2 must be a "
+                        "whole number from 0 to 2000, found 86.9"));
   EXPECT_THAT(refusal("[skittle]\nparts = [{shape = 'polyhedron'}]"), HasSubstr("neither"));
 }
 
