@@ -75,6 +75,7 @@ class Writer {
   static std::string text(int value) { return fmt::format("{}", value); }
   static std::string text(bool value) { return value ? "true" : "false"; }
   static std::string text(const std::string& value) {
+    if (value.find('\n') != std::string::npos) return escaped(value);
     std::ostringstream quoted;
     quoted << toml::value<std::string>(value);
     return quoted.str();
@@ -131,6 +132,25 @@ class Writer {
   }
 
  private:
+  /// A text of several lines, on one line. toml++ writes such a text line by line between three
+  /// quotes, where TOML leaves out a line end at the start.
+  static std::string escaped(const std::string& value) {
+    std::string all = "\"";
+    for (const char c : value) {
+      const auto code = static_cast<unsigned char>(c);
+      if (c == '\n') {
+        all += "\\n";
+      } else if (c == '"' || c == '\\') {
+        all += {'\\', c};
+      } else if (code < 0x20 || code == 0x7f) {
+        all += fmt::format("\\u{:04X}", static_cast<unsigned>(code));
+      } else {
+        all += c;
+      }
+    }
+    return all + '"';
+  }
+
   /// On one line, as TOML wants a table in a list.
   static std::string text_of_hull(const SkittlePart& p) {
     return fmt::format(

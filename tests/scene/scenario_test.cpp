@@ -36,6 +36,18 @@ TEST(ScenarioText, GivesBackEveryBit) {
   EXPECT_EQ(to_toml(back), text);
 }
 
+// TOML leaves out a line end right after the three quotes before a text of several lines.
+TEST(ScenarioText, GivesBackEveryLineOfAText) {
+  for (const std::string name :
+       {"\nfoo", "\n", "\n\nfoo\n", "\r\nfoo", "foo\r\nbar", "\x27\x27\x27\n\"\x22\x22",
+        "a\\\nb\t\x01\x7f", "\nKegel, \u00fcber"}) {
+    Scenario s;
+    s.name = name;
+    const std::string text = to_toml(s);
+    EXPECT_EQ(parse_scenario(text, "text").name, name) << text.substr(0, 100);
+  }
+}
+
 TEST(ScenarioText, LeftOutMeansDefault) {
   EXPECT_EQ(to_toml(parse_scenario("", "empty")), to_toml(Scenario{}));
   EXPECT_EQ(parse_scenario("[ball]\nmass = 5", "x").ball.radius, Scenario{}.ball.radius);
