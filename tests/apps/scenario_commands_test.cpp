@@ -105,8 +105,7 @@ TEST_F(ScenarioCommands, ADrawingShowsTheRoomFromFourSides) {
 }
 
 TEST_F(ScenarioCommands, ADrawingOfAVeryTallOrWideFieldOfViewIsOfASizeThatCanBeDrawn) {
-  write("tall.toml",
-        "[hmd]\nhorizontal_fov_deg = 20\nvertical_fov_deg = 100\n[look]\nsamples = 8\n");
+  write("tall.toml", "[hmd]\nhorizontal_fov_deg = 20\nvertical_fov_deg = 100\n");
   ASSERT_EQ(headpin("scenario draw tall.toml -o tall.png").code, 0);
   const render::Image tall = render::read_png(folder_ / "tall.png");
   EXPECT_EQ(tall.height, 2 * 1800);
