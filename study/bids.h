@@ -25,8 +25,9 @@ struct BidsSession {
   Quat q_WT = Quat::Identity();  ///< of the transmitter in the room
 };
 
-/// The README of the dataset; it does not depend on the participants.
-std::string bids_readme(const Design& design, const std::vector<Person>& people);
+/// The README of the dataset. Of the participants it says only whether some are virtual.
+/// @param deidentified  the dataset has numbers in place of names, and no trials
+std::string bids_readme(const Design& design, const std::vector<Person>& people, bool deidentified);
 
 /// The files of a dataset except README and sessions; its description is the last.
 ///

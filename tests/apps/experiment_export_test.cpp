@@ -118,6 +118,40 @@ TEST_F(StudyExport, DeidentifiedHasNumbersAndNoTrials) {
   }
 }
 
+// Names and trials of the export that was begun first would stay in a dataset without names.
+TEST_F(StudyExport, AnUnfinishedExportGoesOnOnlyWithTheSameChoice) {
+  play(2);
+  const auto interrupted = [&](const std::string& folder) {
+    fs::remove(folder_ / folder / "dataset_description.json");  // it is written last
+  };
+  ASSERT_EQ(headpin("experiment export study --motion-bids named").code, 0);
+  ASSERT_EQ(headpin("experiment export study --motion-bids numbered --deidentify").code, 0);
+  interrupted("named");
+  interrupted("numbered");
+  expect_refusal(
+      "experiment export study --motion-bids named --deidentify", 1,
+      "named: expected a new or empty folder, or an unfinished export of the same study");
+  expect_refusal("experiment export study --motion-bids numbered", 1,
+                 "begun with the same choice of --deidentify");
+  EXPECT_FALSE(fs::exists(folder_ / "named/sub-001"));
+  EXPECT_FALSE(fs::exists(folder_ / "numbered/sourcedata"));
+  // Somebody, or a run, that this export does not write.
+  const auto refused_with = [&](const std::string& name, const std::string& says) {
+    fs::create_directories((folder_ / name).parent_path());
+    std::ofstream(folder_ / name) << "of another";
+    expect_refusal("experiment export study --motion-bids numbered --deidentify", 1, says);
+    fs::remove(folder_ / name);
+  };
+  refused_with("numbered/sub-001/motion/sub-001_task-bowling_tracksys-head_run-02_motion.tsv",
+               "run-02_motion.tsv: expected files of run-01 alone");
+  refused_with("numbered/sub-p001/x", "numbered/sub-p001: expected only subjects that this export");
+  fs::remove(folder_ / "numbered/sub-p001");
+  refused_with("numbered/sourcedata/sub-p002/run-01.lcmlog", "sourcedata/sub-p002: expected only");
+  fs::remove_all(folder_ / "numbered/sourcedata");
+  EXPECT_EQ(headpin("experiment export study --motion-bids named").code, 0);
+  EXPECT_EQ(headpin("experiment export study --motion-bids numbered --deidentify").code, 0);
+}
+
 TEST_F(StudyExport, WhatIsNoSessionIsRefusedWithFileAndLine) {
   play(1);
   ASSERT_EQ(headpin("experiment export study --motion-bids data").code, 0);
