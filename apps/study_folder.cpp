@@ -35,6 +35,18 @@ std::set<std::string> bundled_names(const fs::path& folder) {
   return names;
 }
 
+/// What is in a folder; nothing if it does not exist.
+/// @throws fs::filesystem_error  for a folder that cannot be read
+std::vector<fs::path> entries_of(const fs::path& folder) {
+  std::error_code error;
+  fs::directory_iterator entries(folder, error);
+  if (error == std::errc::no_such_file_or_directory) return {};
+  if (error) throw fs::filesystem_error("cannot be read", folder, error);
+  std::vector<fs::path> paths;
+  for (const auto& entry : entries) paths.push_back(entry.path());
+  return paths;
+}
+
 /// Whose session it is, and what its versions were, if that is not what the plan has. The plan may have
 /// been edited since, or the file is another participant's.
 std::string not_planned(const Study& study, const study::PlannedParticipant& who,
@@ -106,6 +118,17 @@ Study open_study(const std::string& folder) {
   return study;
 }
 
+std::set<std::string> names_with_data(const StudyFolder& at) {
+  std::set<std::string> names;
+  for (const fs::path& path : entries_of(at.root / "sessions")) {
+    names.insert(path.filename().string());
+  }
+  for (const fs::path& path : entries_of(at.root / "answers")) {
+    if (path.extension() == ".csv") names.insert(path.stem().string());
+  }
+  return names;
+}
+
 const study::PlannedParticipant& planned(const Study& study, const std::string& id) {
   const auto found = std::ranges::find(study.plan, id, &study::PlannedParticipant::id);
   if (found != study.plan.end()) return *found;
@@ -161,10 +184,9 @@ StudyLock::~StudyLock() {
 std::vector<Run> runs_of(const Study& study, const std::string& id) {
   const study::PlannedParticipant& who = planned(study, id);
   std::vector<fs::path> paths;
-  std::error_code none;
-  for (const auto& entry : fs::directory_iterator(study.at.sessions(id), none)) {
-    const std::string name = entry.path().filename().string();
-    if (name.starts_with("run-") && name.ends_with(".lcmlog")) paths.push_back(entry.path());
+  for (const fs::path& path : entries_of(study.at.sessions(id))) {
+    const std::string name = path.filename().string();
+    if (name.starts_with("run-") && name.ends_with(".lcmlog")) paths.push_back(path);
   }
   std::ranges::sort(paths);
   std::vector<Run> runs;

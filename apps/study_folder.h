@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,10 @@ std::string read_study_file(const std::filesystem::path& path);
 /// @throws std::runtime_error     for a folder without a study
 /// @throws std::invalid_argument  for invalid content, naming file and line
 Study open_study(const std::string& folder);
+
+/// Names for which the study's folder has sessions or answers, of the plan or not.
+/// @throws std::filesystem::filesystem_error  for a folder that cannot be read
+std::set<std::string> names_with_data(const StudyFolder& at);
 
 /// The row of the plan.
 /// @throws UsageError  for a name that is not in it

@@ -22,12 +22,19 @@ std::string folded(const std::string& id) {
   return text;
 }
 
-std::string free_name(const Plan& plan) {
-  std::set<std::string> taken;
-  for (const PlannedParticipant& one : plan) taken.insert(folded(one.id));
-  for (std::size_t number = plan.size() + 1;; ++number) {
+/// The names that a new participant does not get, in small letters.
+std::set<std::string> names_not_free(const Plan& plan, const std::set<std::string>& taken) {
+  std::set<std::string> names;
+  for (const std::string& name : taken) names.insert(folded(name));
+  for (const PlannedParticipant& one : plan) names.insert(folded(one.id));
+  return names;
+}
+
+/// The first free name from this number on.
+std::string free_name(const std::set<std::string>& not_free, std::size_t number) {
+  for (;; ++number) {
     const std::string name = fmt::format("p{:03}", number);
-    if (!taken.contains(name)) return name;
+    if (!not_free.contains(name)) return name;
   }
 }
 
@@ -89,6 +96,8 @@ void check_values(const CsvTable& table, const PlanRow& row, const Design& desig
     const std::string& found = table.cell(*row.at, design.factors[i].key);
     const auto a = number_in(table, found), b = number_in(table, game.values[i]);
     if (found == game.values[i] || (a && b && *a == *b)) continue;
+    const bool truth = game.values[i] == "true" || game.values[i] == "false";
+    if (truth && folded(found) == game.values[i]) continue;  // a spreadsheet writes TRUE
     refuse_cell(table, *row.at, design.factors[i].key,
                 fmt::format("{} in the {} version of cell {}", game.values[i],
                             row.changed ? kChanged : kBase, cell));
@@ -190,7 +199,8 @@ std::string wrong_with_name(std::string_view name) {
   return "1 to 32 letters from a to z and digits, as file names and BIDS take them";
 }
 
-void extend(Plan& plan, const Design& design, std::uint64_t seed, int people) {
+void extend(Plan& plan, const Design& design, std::uint64_t seed, int people,
+            const std::set<std::string>& taken_names) {
   const auto there = static_cast<int>(plan.size() - replaced(plan).size());
   if (people < there) {
     throw std::invalid_argument(
@@ -200,15 +210,17 @@ void extend(Plan& plan, const Design& design, std::uint64_t seed, int people) {
   }
   std::set<std::int64_t> taken;
   for (const PlannedParticipant& one : plan) taken.insert(one.place);
+  std::set<std::string> not_free = names_not_free(plan, taken_names);
   std::int64_t place = 0;
   for (int i = there; i < people; ++i) {
     while (taken.contains(place)) ++place;
     taken.insert(place);
-    plan.push_back({free_name(plan), place, allot(design, seed, place)});
+    plan.push_back({free_name(not_free, plan.size() + 1), place, allot(design, seed, place)});
+    not_free.insert(plan.back().id);
   }
 }
 
-void replace(Plan& plan, const std::string& dropped_out) {
+void replace(Plan& plan, const std::string& dropped_out, const std::set<std::string>& taken_names) {
   const auto found = std::ranges::find(plan, dropped_out, &PlannedParticipant::id);
   if (found == plan.end()) {
     throw std::invalid_argument(fmt::format("no participant '{}' in the plan", shown(dropped_out)));
@@ -218,7 +230,7 @@ void replace(Plan& plan, const std::string& dropped_out) {
         fmt::format("{} was already replaced by {}", dropped_out, by.at(dropped_out)));
   }
   PlannedParticipant other = *found;
-  other.id = free_name(plan);
+  other.id = free_name(names_not_free(plan, taken_names), plan.size() + 1);
   other.replaces = dropped_out;
   plan.push_back(other);
 }
@@ -251,6 +263,32 @@ std::string to_csv(const Plan& plan, const Design& design) {
       cells.push_back(one.replaces);
       text += csv_line(cells);
     }
+  }
+  return text;
+}
+
+std::string to_csv(const Plan& plan, const Design& design, const CsvTable& before) {
+  const CsvTable now = parse_csv(to_csv(plan, design), before.where);
+  std::vector<std::size_t> kept;
+  std::vector<std::string> names = now.columns;
+  for (std::size_t i = 0; i < before.columns.size(); ++i) {
+    if (now.find(before.columns[i])) continue;
+    kept.push_back(i);
+    names.push_back(before.columns[i]);
+  }
+  const auto key = [](const CsvTable& table, const CsvRow& row) {
+    return std::pair(table.cell(row, "participant"), table.cell(row, "game"));
+  };
+  std::map<std::pair<std::string, std::string>, const CsvRow*> rows;
+  for (const CsvRow& row : before.rows) rows[key(before, row)] = &row;
+  std::string text = csv_line(names);
+  for (const CsvRow& row : now.rows) {
+    std::vector<std::string> cells = row.cells;
+    const auto old = rows.find(key(now, row));
+    for (const std::size_t i : kept) {
+      cells.push_back(old == rows.end() ? "" : old->second->cells[i]);
+    }
+    text += csv_line(cells);
   }
   return text;
 }

@@ -150,16 +150,19 @@ void plan_study(const PlanOptions& options) {
   refuse_other_design(study, options);
   const std::size_t before = study.plan.size();
   try {
-    if (!options.replace.empty()) study::replace(study.plan, options.replace);
+    const std::set<std::string> taken = names_with_data(study.at);
+    if (!options.replace.empty()) study::replace(study.plan, options.replace, taken);
     const auto there = static_cast<int>(study.plan.size() - study::replaced(study.plan).size());
     const int wanted = before == 0 ? study.design.block() : there;
     study::extend(study.plan, study.design, study.design.seed.value_or(1),
-                  options.people.value_or(wanted));
+                  options.people.value_or(wanted), taken);
   } catch (const std::invalid_argument& error) {
     throw UsageError(fmt::format("{}: {}", at.plan().string(), error.what()));
   }
   if (study.plan.size() != before) {
-    const std::string plan = study::to_csv(study.plan, study.design);
+    const study::CsvTable old =
+        study::parse_csv(read_study_file(study.at.plan()), study.at.plan().string());
+    const std::string plan = study::to_csv(study.plan, study.design, old);
     check_stop();
     base::write_text({at.plan().string(), {.overwrite = true}}, plan);
   }

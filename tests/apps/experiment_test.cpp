@@ -61,6 +61,42 @@ TEST_F(Experiment, IsPlannedGrownAndTold) {
                  "study/plan.csv:44: column participant: expected the name");
 }
 
+TEST_F(Experiment, APlanThatGrowsKeepsTheColumnsOfOthers) {
+  ASSERT_EQ(headpin("experiment plan -o a --seed 7 --people 2").code, 0);
+  const std::string before = slurp(folder_ / "a/plan.csv");
+  std::string with_notes;
+  std::istringstream lines_before(before);
+  for (std::string line; std::getline(lines_before, line);) {
+    with_notes += line + (with_notes.empty() ? ",note" : ",left-handed") + "\n";
+  }
+  spit(folder_ / "a/plan.csv", with_notes);
+  ASSERT_EQ(headpin("experiment plan -o a --people 3").code, 0);
+  EXPECT_THAT(slurp(folder_ / "a/plan.csv"), testing::StartsWith(with_notes));
+  ASSERT_EQ(headpin("experiment plan -o a --replace p001").code, 0);
+  EXPECT_THAT(slurp(folder_ / "a/plan.csv"), testing::StartsWith(with_notes));
+}
+
+// Sessions and answers of somebody whose rows were deleted are no newcomer's.
+TEST_F(Experiment, ANewParticipantHasTheDataOfNobodyElse) {
+  ASSERT_EQ(headpin("experiment plan -o a --seed 7 --people 2").code, 0);
+  fs::create_directories(folder_ / "a/sessions/p003");
+  fs::create_directories(folder_ / "a/answers");
+  std::ofstream(folder_ / "a/answers/p004.csv") << "participant,item,answer,source\n";
+  ASSERT_EQ(headpin("experiment plan -o a --people 3").code, 0);
+  ASSERT_EQ(headpin("experiment plan -o a --replace p001").code, 0);
+  const std::string plan = slurp(folder_ / "a/plan.csv");
+  EXPECT_THAT(plan, testing::AllOf(HasSubstr("\np005,"), HasSubstr("\np006,")));
+  EXPECT_THAT(plan, testing::Not(testing::AnyOf(HasSubstr("\np003,"), HasSubstr("\np004,"))));
+}
+
+// What is no folder of sessions is not one without sessions: the next run would be another's.
+TEST_F(Experiment, ASessionsFolderThatCannotBeReadIsAnError) {
+  ASSERT_EQ(headpin("experiment plan -o a --seed 7 --people 1").code, 0);
+  fs::create_directories(folder_ / "a/sessions");
+  std::ofstream(folder_ / "a/sessions/p001") << "a file";
+  expect_refusal("experiment status a", 1, "a/sessions/p001");
+}
+
 TEST_F(Experiment, TheSameSeedPlansTheSameBytes) {
   ASSERT_EQ(headpin("experiment plan -o a --seed 7 --people 40").code, 0);
   ASSERT_EQ(headpin("experiment plan -o b --seed 7").code, 0);

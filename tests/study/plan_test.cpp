@@ -95,6 +95,53 @@ TEST_F(PlanTable, WhatASpreadsheetMakesOfItIsTheSamePlan) {
   EXPECT_EQ(parse_plan(text, "plan.csv", design_), plan_);
 }
 
+TEST_F(PlanTable, TruthInCapitalsIsTruth) {
+  std::string text;
+  int values = 0;
+  for (std::string line : lines(to_csv(plan_, design_))) {
+    const std::size_t at = line.find(",true,");
+    if (at != std::string::npos) line.replace(at, 6, ++values % 2 == 0 ? ",TRUE," : ",True,");
+    text += line + "\n";
+  }
+  EXPECT_GT(values, 2);
+  EXPECT_EQ(parse_plan(text, "plan.csv", design_), plan_);
+}
+
+// A laboratory adds columns, anywhere: what it wrote there stays with participant and game.
+TEST_F(PlanTable, ColumnsThatAreNotThePlansAreKept) {
+  std::vector<std::string> all = lines(to_csv(plan_, design_));
+  all[0] = "room," + all[0] + ",note";
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    all[i] = fmt::format("r{},{},\"n, {}\"", i, all[i], i);
+  }
+  std::mt19937 random(5);
+  std::shuffle(all.begin() + 1, all.end(), random);
+  const CsvTable before = parse_csv(joined(all), "plan.csv");
+  Plan plan = parse_plan(joined(all), "plan.csv", design_);
+  std::ranges::sort(plan, {}, &PlannedParticipant::id);
+  replace(plan, "p003");
+  const std::vector<std::string> now = lines(to_csv(plan, design_, before));
+  const std::vector<std::string> plain = lines(to_csv(plan, design_));
+  ASSERT_EQ(now.size(), 39u);
+  EXPECT_EQ(now[0], plain[0] + ",room,note");
+  for (std::size_t i = 1; i < 37; ++i) {
+    EXPECT_EQ(now[i], fmt::format("{},r{},\"n, {}\"", plain[i], i, i));
+  }
+  for (const std::size_t i : {37u, 38u}) EXPECT_EQ(now[i], plain[i] + ",,");
+  EXPECT_EQ(to_csv(plan, design_, parse_csv(to_csv(plan_, design_), "plan.csv")),
+            to_csv(plan, design_));
+}
+
+// They are those of somebody who is no longer in the plan, with sessions and answers.
+TEST_F(PlanTable, NamesThatAreTakenAreNotGivenAgain) {
+  Plan plan = plan_;
+  extend(plan, design_, 7, 20, {"P019", "p021", "x"});
+  EXPECT_EQ(plan[18].id, "p020");
+  EXPECT_EQ(plan[19].id, "p022");
+  replace(plan, "p001", {"p021", "p023"});
+  EXPECT_EQ(plan[20].id, "p024");
+}
+
 TEST_F(PlanTable, WhatIsWrongIsSaidWithFileLineAndWhatWasExpected) {
   const std::string text = to_csv(plan_, design_);
   const std::vector<std::string> all = lines(text);
