@@ -4,6 +4,7 @@
 
 #include "apps/stop.h"
 #include "base/output_file.h"
+#include "base/sha256.h"
 
 namespace headpin::apps {
 
@@ -18,6 +19,10 @@ void StudyTables::write(const std::string& name, const std::string& text) {
 void StudyTables::commit(const std::string& last) {
   check_stop();
   folder_.commit(last);
+}
+
+std::string made_from(const std::string& participants_csv) {
+  return base::sha256(participants_csv) + "  ../tables/participants.csv\n";
 }
 
 void print_notes(const Study& study, const std::string& table) {

@@ -21,6 +21,13 @@ class StudyTables {
   base::OutputFolder folder_;
 };
 
+/// The file of an analysis that says from which table it was made.
+constexpr const char* kMadeFrom = "made-from.txt";
+
+/// Its text for this text of tables/participants.csv: a line as of `sha256sum`, relative to the
+/// folder of the analysis.
+std::string made_from(const std::string& participants_csv);
+
 /// The design's notes about this table.
 void print_notes(const Study& study, const std::string& table);
 

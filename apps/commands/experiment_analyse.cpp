@@ -84,8 +84,9 @@ std::string last_words(const Ended& ended) {
   return text.size() <= kMost ? text : text.substr(0, text.rfind(' ', kMost)) + " ...";
 }
 
+/// @param from  says from which table: the text of kMadeFrom
 void run_script(const fs::path& script, const fs::path& people, const std::string& who,
-                const fs::path& root) {
+                const fs::path& root, const std::string& from) {
   StudyTables folder(root / "analysis");
   // R gets its own folder. The R of a command that was killed may still write into an older one.
   const base::PrivateFolder output;
@@ -112,6 +113,7 @@ void run_script(const fs::path& script, const fs::path& people, const std::strin
     if (name[0] == '.' || !entry.is_regular_file()) continue;
     folder.write(name, base::read_text(entry.path().string(), kLargestOutput));
   }
+  folder.write(kMadeFrom, from);
   folder.commit("fit.csv");
 }
 
@@ -169,8 +171,8 @@ void analyse(const AnalyseOptions& options) {
                     "score {}` writes them",
                     people.string(), study.at.root.string()));
   }
-  const std::string who =
-      whom(study::parse_csv(read_study_file(people), people.string()), options.mixing);
+  const std::string table = read_study_file(people);
+  const std::string who = whom(study::parse_csv(table, people.string()), options.mixing);
   const fs::path script = study.at.root / "model.R";
   const StudyLock lock(study.at.questionnaire(), "analysing this study");
   bool changed = false;
@@ -179,7 +181,7 @@ void analyse(const AnalyseOptions& options) {
   } catch (const std::invalid_argument& error) {
     throw UsageError(error.what());
   }
-  run_script(script, people, who, study.at.root);
+  run_script(script, people, who, study.at.root, made_from(table));
   if (options.json) {
     return print_json({{"output", (study.at.root / "analysis").string()},
                        {"script_changed", changed},

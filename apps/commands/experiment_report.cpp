@@ -10,6 +10,7 @@
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "apps/study_people.h"
+#include "apps/study_tables.h"
 #include "apps/trial_page.h"
 #include "base/output_file.h"
 #include "study/csv.h"
@@ -75,8 +76,18 @@ study::Table shown(const study::CsvTable& csv, const std::string& name, const st
   return table;
 }
 
-/// What the analysis says of itself and the tables of this page do not; empty if it is of the same participants.
-std::string other_participants(const Study& study, const Counted& counted) {
+/// Why the analysis does not belong to the tables of this page: it is of other participants, or of
+/// other data. Empty if it belongs to them. An analysis of an older headpin does not say of which data
+/// it is.
+///
+/// @param table  tables/participants.csv as `score` would write it now
+std::string why_left_out(const Study& study, const Counted& counted, const std::string& table) {
+  const fs::path from = study.at.root / "analysis" / kMadeFrom;
+  if (fs::exists(from) && read_study_file(from) != made_from(table)) {
+    return "The analysis is of other data than the tables above: plan, sessions or answers have changed since. So "
+           "Tables 5 and 6 and their pictures are left out; `headpin experiment score` and then `headpin experiment "
+           "analyse` write them anew.";
+  }
   const std::optional<study::CsvTable> fit = analysed(study, "fit");
   if (!fit) return "";
   for (const study::CsvRow& row : fit->rows) {
@@ -106,11 +117,12 @@ void add_analysis(const Study& study, study::ReportParts& parts) {
 }
 
 study::ReportParts parts_of(const Study& study, const std::vector<study::Person>& people,
-                            const Counted& counted, const fs::path& output) {
+                            const Counted& counted, const std::string& table,
+                            const fs::path& output) {
   study::ReportParts parts;
   parts.of = counted.of;
   parts.tables = study::paper_tables(study.design, study.questions, counted.people, counted.of);
-  parts.left_out = other_participants(study, counted);
+  parts.left_out = why_left_out(study, counted, table);
   if (parts.left_out.empty()) add_analysis(study, parts);
   const fs::path here = fs::absolute(output).parent_path();
   for (const study::Person& person : people) {
@@ -126,6 +138,7 @@ void report_study(const ReportStudyOptions& options) {
   watch_stop_signals();
   const Study study = open_study(options.study);
   std::vector<study::Person> people = people_of(study, options.jobs);
+  const std::string table = study::people_csv(study.design, study.questions, people);
   if (!options.mixing.only.empty()) {
     std::erase_if(people, [&](const study::Person& one) {
       return one.is_virtual() != (options.mixing.only == "virtual");
@@ -133,7 +146,7 @@ void report_study(const ReportStudyOptions& options) {
   }
   const Counted counted = counted_of(study, people, options.mixing);
   if (options.pages) write_pages(study, people, options.page);
-  const study::ReportParts parts = parts_of(study, people, counted, *options.output);
+  const study::ReportParts parts = parts_of(study, people, counted, table, *options.output);
   const std::string html = study::html_report(study.design, study.questions, people, parts);
   base::OutputFile file(*options.output, {.overwrite = options.force, .standard_output = true});
   file.write(html.data(), html.size());

@@ -352,6 +352,11 @@ TEST_F(StudyAnswers, AreFittedByRAsByAnotherProgram) {
   EXPECT_THAT(without.out, HasSubstr("vrbefore(2)"));
   EXPECT_THAT(without.out, HasSubstr("NO earlier experience"));
   expect_the_published_model(290);
+  // It says from which table it is, so that `report` leaves it out beside another one.
+  EXPECT_EQ(std::system(("cd '" + (folder_ / "study/analysis").string() +
+                         "' && sha256sum --quiet -c made-from.txt")
+                            .c_str()),
+            0);
   EXPECT_THAT(slurp(folder_ / "study/analysis/effects.svg"), HasSubstr("<svg"));
   EXPECT_THAT(slurp(folder_ / "study/analysis/scores.png"), testing::StartsWith("\x89PNG"));
   // The script is the laboratory's: what it changes stays and is run.

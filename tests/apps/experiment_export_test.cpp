@@ -2,6 +2,8 @@
 
 #include <set>
 
+#include <fmt/format.h>
+
 #include "tests/apps/command_line.h"
 
 namespace headpin {
@@ -220,6 +222,38 @@ TEST_F(StudyExport, AReportOfSomeLeavesOutTheAnalysisOfOthers) {
   EXPECT_THAT(people, testing::Not(HasSubstr("p001 (virtual)")));
   analysed(counted + 1);  // somebody is no longer counted
   EXPECT_THAT(page(""), testing::Not(HasSubstr("4321")));
+}
+
+// As `analyse` says it: by the hash of the table that it read.
+TEST_F(StudyExport, AReportLeavesOutTheAnalysisOfOlderAnswers) {
+  play(2);
+  ASSERT_EQ(headpin("experiment score study").code, 0);
+  const fs::path analysis = folder_ / "study/analysis";
+  fs::create_directory(analysis);
+  const int counted = json("experiment report study -o other.html --json")["counted"].get<int>();
+  std::ofstream(analysis / "fit.csv")
+      << "quantity,value,virtual\nparticipants," << counted << ",yes\n";
+  std::ofstream(analysis / "table-6.csv") << "term,estimate,virtual\nE,4321,yes\n";
+  const std::string hash =
+      "cd '" + analysis.string() + "' && sha256sum ../tables/participants.csv >made-from.txt";
+  ASSERT_EQ(std::system(hash.c_str()), 0);
+  const auto page = [&] {
+    EXPECT_EQ(headpin("experiment report study -o study.html --force").code, 0);
+    return slurp(folder_ / "study.html");
+  };
+  EXPECT_THAT(page(), HasSubstr("4321"));
+  const fs::path answers = folder_ / "study/answers/p001.csv";
+  std::string text = slurp(answers);
+  char& answer = text.at(text.find("presence1,") + 10);
+  answer = answer == '7' ? '1' : '7';
+  spit(answers, text);
+  ASSERT_EQ(headpin("experiment score study").code, 0);
+  EXPECT_THAT(page(), testing::Not(HasSubstr("4321")));
+  EXPECT_THAT(page(), HasSubstr("The analysis is of other data than the tables above"));
+  EXPECT_THAT(headpin("experiment report study -o study.html --force").out,
+              HasSubstr("experiment score` and then `headpin experiment analyse`"));
+  fs::remove(analysis / "made-from.txt");  // as of an older version
+  EXPECT_THAT(page(), HasSubstr("4321"));
 }
 
 // A page that is there already is somebody's.
