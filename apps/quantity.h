@@ -6,7 +6,8 @@
 #include "apps/command.h"
 #include "scene/people/coach.h"
 
-/// Numbers with units and a scatter on the command line: "17.9mph", "416+-20", "0.3m+-5cm".
+/// Numbers with units and a scatter on the command line: "17.9mph", "416+-20", "0.3m+-5cm". A scatter
+/// without a unit has that of its number.
 namespace headpin::apps {
 
 struct Unit {

@@ -14,6 +14,18 @@ namespace {
 
 class ParticipantCommands : public CommandLine {};
 
+TEST_F(ParticipantCommands, AScatterWithoutAUnitHasThatOfItsNumber) {
+  const auto speed = [&](const std::string& typed) {
+    const nlohmann::json made = json(
+        "synthesize --json --force -o t.lcmlog --scenario house-oil --seed 2 --speed " + typed);
+    return made["level_speed_mps"].get<double>();
+  };
+  const double found = speed("14mph+-0.5");
+  EXPECT_EQ(found, speed("14mph+-0.5mph"));
+  EXPECT_NE(found, speed("14mph+-0.5m/s"));
+  EXPECT_EQ(speed("6.5+-0.2"), speed("6.5m/s+-0.2m/s"));
+}
+
 TEST_F(ParticipantCommands, ASessionIsSynthesizedReplayedVerifiedAndCompared) {
   const nlohmann::json made =
       json("synthesize --participant 7 --throws 2 -o samples.lcmlog --json");
