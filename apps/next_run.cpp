@@ -1,5 +1,6 @@
 #include "apps/next_run.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <vector>
 
@@ -7,6 +8,7 @@
 
 #include "apps/streams.h"
 #include "base/left_parts.h"
+#include "study/csv.h"
 
 namespace headpin::apps {
 
@@ -21,10 +23,12 @@ NextRun::NextRun(const Study& study, const std::string& id, const std::string& c
         fmt::format("{}: {} has played already ({:.1f} s); a session is played only once",
                     done->path.string(), id, done->seconds));
   }
+  int last = 0;
   for (const Run& run : runs) {
+    last = std::max(last, study::whole_in(run.name.substr(4)).value_or(0));
     say("{}: {} is kept: {}\n", command, run.path.string(), why_not(run));
   }
-  path_ = (folder_ / fmt::format("run-{:02}.lcmlog", runs.size() + 1)).string();
+  path_ = (folder_ / fmt::format("run-{:02}.lcmlog", last + 1)).string();
 }
 
 }  // namespace headpin::apps

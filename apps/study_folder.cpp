@@ -205,6 +205,12 @@ const Run* counting(const std::vector<Run>& runs) {
   return found == runs.end() ? nullptr : &*found;
 }
 
+const Run* of_person(const std::vector<Run>& runs) {
+  const auto found =
+      std::ranges::find_if(runs, [](const Run& run) { return run.begun && !run.is_virtual; });
+  return found == runs.end() ? nullptr : &*found;
+}
+
 bool began_otherwise(const Study& study, const study::PlannedParticipant& participant,
                      const Run& run) {
   const bool red = study::games_of(study.design, participant.allotted)[0].red;

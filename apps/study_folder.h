@@ -102,6 +102,10 @@ std::string why_not(const Run& run);
 /// The run that counts: the first complete one with both versions as planned; null if there is none.
 const Run* counting(const std::vector<Run>& runs);
 
+/// The first run that was begun and that no virtual participant played, complete or not; null if there is
+/// none.
+const Run* of_person(const std::vector<Run>& runs);
+
 /// Whether a run began with another version than the plan has.
 bool began_otherwise(const Study& study, const study::PlannedParticipant& participant,
                      const Run& run);

@@ -106,12 +106,11 @@ void draw(const Study& study, const AskOptions& options) {
   for (const study::PlannedParticipant& one : study.plan) {
     if (!options.all && one.id != options.participant) continue;
     const std::vector<Run> runs = runs_of(study, one.id);
-    const bool person =
-        std::ranges::any_of(runs, [](const Run& run) { return run.begun && !run.is_virtual; });
+    const Run* const person = of_person(runs);
     if (person && options.all) continue;
     if (person) {
       throw UsageError(fmt::format("{} is no virtual participant: {} is a person's", one.id,
-                                   runs.front().path.string()));
+                                   person->path.string()));
     }
     check_stop();
     try {

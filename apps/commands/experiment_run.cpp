@@ -50,13 +50,20 @@ void print_session(const std::string& id, bool is_virtual, const PlayedSession& 
   fmt::print("\n");
 }
 
-/// Plays the sessions of all participants who have not played, one session per thread.
+/// Plays the sessions of all participants who have not played, one session per thread. Those of whom a
+/// person has begun a session are left to that person.
 class VirtualStudy {
  public:
   VirtualStudy(const Study& study, int jobs) : study_(study), jobs_(jobs) {
     const auto replaced = study::replaced(study.plan);
     for (const study::PlannedParticipant& one : study.plan) {
-      if (replaced.contains(one.id) || counting(runs_of(study, one.id))) continue;
+      if (replaced.contains(one.id)) continue;
+      const std::vector<Run> runs = runs_of(study, one.id);
+      if (counting(runs)) continue;
+      if (const Run* const persons = of_person(runs)) {
+        say("{}: {} is left out: {} is a person's\n", kCommand, one.id, persons->path.string());
+        continue;
+      }
       waiting_.push_back(&one);
     }
     played_.resize(waiting_.size());

@@ -242,6 +242,31 @@ TEST_F(Experiment, ASessionThatWasCutOffStaysAndTheNextIsAnotherRun) {
   EXPECT_EQ(json("experiment status a --json")["participants"][0]["run"], "run-02");
 }
 
+// As a laboratory leaves it that moved the first run away.
+TEST_F(Experiment, TheNextRunHasTheNumberBehindTheLast) {
+  plan_short("a", 1);
+  ASSERT_EQ(headpin("experiment run a --participant p001 --virtual").code, 0);
+  const fs::path sessions = folder_ / "a/sessions/p001";
+  fs::rename(sessions / "run-01.lcmlog", sessions / "run-02.lcmlog");
+  fs::resize_file(sessions / "run-02.lcmlog", fs::file_size(sessions / "run-02.lcmlog") / 2);
+  ASSERT_EQ(headpin("experiment run a --participant p001 --virtual").code, 0);
+  EXPECT_TRUE(fs::exists(sessions / "run-03.lcmlog"));
+  EXPECT_FALSE(fs::exists(sessions / "run-01.lcmlog"));
+}
+
+TEST_F(Experiment, ASessionOfAPersonThatWasCutOffIsLeftToThePerson) {
+  plan_short("a", 2);
+  ASSERT_EQ(headpin("synthesize --participant 7 --throws 1 --name Ann -o t.lcmlog").code, 0);
+  ASSERT_EQ(headpin("experiment run a --participant p001 --trial t.lcmlog").code, 0);
+  const fs::path run = folder_ / "a/sessions/p001/run-01.lcmlog";
+  fs::resize_file(run, fs::file_size(run) / 2);
+  const nlohmann::json played = json("experiment run a --all --virtual --json");
+  ASSERT_EQ(played["sessions"].size(), 1u);
+  EXPECT_EQ(played["sessions"][0]["participant"], "p002");
+  EXPECT_FALSE(fs::exists(folder_ / "a/sessions/p001/run-02.lcmlog"));
+  EXPECT_EQ(json("experiment ask a --all --virtual --json")["participants"], 1);
+}
+
 TEST_F(Experiment, ARecordingThatHasNotBegunBlocksNothing) {
   ASSERT_EQ(headpin("experiment plan -o a --people 1").code, 0);
   fs::create_directories(folder_ / "a/sessions/p001");
@@ -301,9 +326,11 @@ TEST_F(Experiment, ALiveSessionIsRecordedUnderTheParticipantsName) {
   for (int i = 0; i < 600 && !fs::exists(second); ++i) usleep(100'000);
   ASSERT_TRUE(fs::exists(second)) << slurp(folder_ / "live.txt");
   EXPECT_EQ(headpin("experiment run a --participant p001 --virtual").code, 75);
+  // Who has begun to play is a person, and is not played by a virtual one.
   const Result rest = headpin("experiment run a --all --virtual");
-  EXPECT_EQ(rest.code, 75);
+  EXPECT_EQ(rest.code, 0);
   EXPECT_THAT(rest.out, HasSubstr("p002"));
+  EXPECT_THAT(rest.err, HasSubstr("p001 is left out: a/sessions/p001/run-01.lcmlog is a person's"));
   kill(std::stoi(slurp(folder_ / "pid")), SIGINT);
   const auto ended = [&] {
     return json("info --json a/sessions/p001/run-02.lcmlog")["complete"] == true;
