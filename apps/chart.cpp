@@ -110,7 +110,8 @@ std::string draw(const Panel& panel, const Chart& chart, const Scale& x, double 
   return out;
 }
 
-/// Labels of the marks above the first panel, on two lines so that neighbours do not overlap.
+/// Labels of the marks above the first panel, on two lines. A label that would overlap another one on both
+/// lines is left out; its mark stays.
 std::string labels(const Chart& chart, const Scale& x) {
   std::string out;
   double free[2] = {0.0, 0.0};
@@ -118,6 +119,7 @@ std::string labels(const Chart& chart, const Scale& x) {
     if (mark.label.empty()) continue;
     const double at = x(mark.time), half = 3.4 * static_cast<double>(mark.label.size());
     const int row = at - half >= free[0] ? 0 : 1;
+    if (at - half < free[row]) continue;
     free[row] = at + half + 6.0;
     out += text(at, kTop - 24 - 13 * row, "text-anchor='middle' class='label'", mark.label);
   }

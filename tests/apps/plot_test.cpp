@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <regex>
 #include <set>
 #include <span>
@@ -107,6 +108,34 @@ TEST_F(PlotFiles, APngHasTheCurvesOfTheSvgInTwiceItsSize) {
   EXPECT_EQ(drawn_points(image, grey.back(), kGrey), grey.back().size() - 2);
   EXPECT_TRUE(is_coloured(image, 0, 0, {255, 255, 255}));
   EXPECT_TRUE(is_coloured(image, image.width - 1, image.height - 1, {255, 255, 255}));
+}
+
+// A session has more events than there is room for their labels.
+TEST_F(PlotFiles, LabelsOfASessionDoNotLieOverEachOther) {
+  ASSERT_EQ(headpin("synthesize --participant 7 --throws 3 -o samples.lcmlog").code, 0);
+  ASSERT_EQ(headpin("replay samples.lcmlog -o session.lcmlog").code, 0);
+  ASSERT_EQ(headpin("plot session.lcmlog -o session.svg").code, 0);
+  const std::string svg = file("session.svg");
+  constexpr double kLetter = 6.0;  // px, of 11 px high letters, about
+  std::map<std::string, double> ends;
+  std::size_t labels = 0;
+  const std::regex label("<text x='([0-9.]+)' y='([0-9.]+)'[^>]*class='label'>([^<]*)<");
+  for (std::sregex_iterator at(svg.begin(), svg.end(), label), end; at != end; ++at, ++labels) {
+    const double x = std::stod((*at)[1]),
+                 half = 0.5 * kLetter * static_cast<double>((*at)[3].length());
+    const auto before = ends.find((*at)[2]);
+    if (before != ends.end()) EXPECT_GT(x - half, before->second) << (*at)[3] << " at " << x;
+    ends[(*at)[2]] = x + half;
+  }
+  EXPECT_EQ(ends.size(), 2u);
+  EXPECT_GT(labels, 10u);
+  // The marks of all events are there.
+  const auto count = [&](const std::string& what) {
+    std::size_t found = 0;
+    for (std::size_t at = 0; (at = svg.find(what, at)) != std::string::npos; ++at) ++found;
+    return found;
+  };
+  EXPECT_GT(count("class='mark'"), 5 * labels);
 }
 
 TEST_F(PlotFiles, APdfIsOnePageOfTheSamePicture) {

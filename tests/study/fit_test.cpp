@@ -4,10 +4,12 @@
 
 #include <cmath>
 
-#include <gtest/gtest.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
 
 #include "base/random.h"
 #include "study/power.h"
+#include "study/power_plot.h"
 #include "tests/study/study_files.h"
 
 namespace headpin::study {
@@ -85,6 +87,31 @@ TEST(Power, IsThereForADesignOfOneTerm) {
   const Power power = power_of(design, bundled_questions(), 36, 20, 1, [] {});
   ASSERT_EQ(power.terms.size(), 1u);
   EXPECT_GT(power.terms[0].found, 0.95);
+}
+
+// One number of people makes no line; its points are seen all the same.
+TEST(PowerPlot, HasACircleForEachPointAndRoomForItsLegend) {
+  const auto attribute = [](const std::string& svg, const std::string& name) {
+    return std::stod(svg.substr(svg.find(name + "=\"") + name.size() + 2));
+  };
+  const auto count = [](const std::string& svg, const std::string& what) {
+    int found = 0;
+    for (std::size_t at = 0; (at = svg.find(what, at)) != std::string::npos; ++at) ++found;
+    return found;
+  };
+  Power power{36, 20, 0.0, {{"E", 0.5, 0.05}}};
+  const std::string one = power_svg({power});
+  EXPECT_THAT(one, testing::HasSubstr("<circle cx=\"260.0\" cy=\"200.0\""));  // the middle
+  EXPECT_EQ(attribute(one, "width"), 620.0);
+  EXPECT_EQ(attribute(one, "height"), 420.0);
+  power.terms.assign(30, {std::string(40, 'm'), 0.5, 0.05});
+  Power more = power;
+  more.people = 72;
+  const std::string many = power_svg({power, more});
+  EXPECT_EQ(count(many, "<circle "), 60);
+  EXPECT_GT(attribute(many, "width"), 506.0 + 40 * 7.0);
+  EXPECT_GT(attribute(many, "height"), attribute(many.substr(many.rfind("<text ")), "y"));
+  EXPECT_EQ(count(many, fmt::format("height=\"{:.0f}\"", attribute(many, "height"))), 2);
 }
 
 }  // namespace
