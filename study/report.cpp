@@ -66,10 +66,22 @@ std::string throw_picture(const scene::ThrowRow& one, bool red) {
                      one.counted ? fmt::format("{}", *one.counted) : "-");
 }
 
+/// A path as a relative address (RFC 3986): what is none of its plain characters as %XX.
+std::string address_of(const std::string& path) {
+  constexpr std::string_view kPlain =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~/";
+  std::string address;
+  for (const char c : path) {
+    const bool plain = kPlain.find(c) != std::string_view::npos;
+    address += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return address;
+}
+
 std::string throws_of(const Person& person, const ReportParts& parts) {
   std::string html = "<div class=throws>";
   const auto page = parts.pages.find(person.planned.id);
-  if (page != parts.pages.end()) html += fmt::format("<a href=\"{}\">", escaped(page->second));
+  if (page != parts.pages.end()) html += fmt::format("<a href=\"{}\">", address_of(page->second));
   for (const scene::ThrowRow& one : person.played.measures.throws) {
     html += throw_picture(one, one.version == "red");
   }

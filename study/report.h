@@ -13,8 +13,8 @@ namespace headpin::study {
 struct ReportParts {
   std::vector<Table> tables;          ///< in their order; Tables 5 and 6 among them, if any
   std::vector<std::string> pictures;  ///< SVG documents
-  std::map<std::string, std::string>
-      pages;       ///< by participant: the page of the trial, to be opened
+  /// By participant: the path of the page of the trial, to be opened from the report's folder.
+  std::map<std::string, std::string> pages;
   std::string of;  ///< yes: virtual participants, no: people, mixed
   /// Why there is no analysis of these participants; empty if there is one, or none at all.
   std::string left_out = {};

@@ -196,6 +196,11 @@ TEST_F(StudyExport, TheReportIsOnePageThatSaysWhatIsVirtual) {
   ASSERT_EQ(headpin("experiment report study -o study.html --force").code, 0);
   EXPECT_THAT(slurp(folder_ / "study.html"),
               HasSubstr("<a href=\"study/sessions/p001/run-01.html\">"));
+  // A browser takes # and ? for the end of a path.
+  fs::rename(folder_ / "study", folder_ / "a#b 50% ü?");
+  ASSERT_EQ(headpin("experiment report 'a#b 50% ü?' -o study.html --force").code, 0);
+  EXPECT_THAT(slurp(folder_ / "study.html"),
+              HasSubstr("<a href=\"a%23b%2050%25%20%C3%BC%3F/sessions/p001/run-01.html\">"));
 }
 
 TEST_F(StudyExport, AReportOfSomeLeavesOutTheAnalysisOfOthers) {

@@ -124,7 +124,9 @@ TEST_F(PlotFiles, LabelsOfASessionDoNotLieOverEachOther) {
     const double x = std::stod((*at)[1]),
                  half = 0.5 * kLetter * static_cast<double>((*at)[3].length());
     const auto before = ends.find((*at)[2]);
-    if (before != ends.end()) EXPECT_GT(x - half, before->second) << (*at)[3] << " at " << x;
+    if (before != ends.end()) {
+      EXPECT_GT(x - half, before->second) << (*at)[3] << " at " << x;
+    }
     ends[(*at)[2]] = x + half;
   }
   EXPECT_EQ(ends.size(), 2u);
