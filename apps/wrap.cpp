@@ -71,7 +71,11 @@ std::string in_a_line(const std::string& toml) {
   for (const char c : toml) {
     if (c != '\n') line += c;
   }
-  if (line.size() > kMost) line = line.substr(0, kMost) + "...";
+  if (line.size() > kMost) {
+    std::size_t end = kMost;
+    while (end > 0 && (static_cast<unsigned char>(line[end]) & 0xc0) == 0x80) --end;  // of a letter
+    line = line.substr(0, end) + "...";
+  }
   return line.empty() ? "-" : line;
 }
 

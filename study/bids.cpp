@@ -431,7 +431,8 @@ std::vector<BidsFile> SimulatedSystem::files(const BidsSession& session) const {
   std::vector<Channel> channels = {{"latency", kNoAnswer, "LATENCY", kNoAnswer, "s"}};
   for (const std::string& name : names_) add_pose(channels, name);
   Json sidecar = motion_json(channels, "headpin", rate_hz_, rows_, seconds(state_.time - first_));
-  sidecar["TaskDescription"] = "Bodies of the virtual room, simulated; a frame of 1/60 s a row";
+  sidecar["TaskDescription"] =
+      fmt::format("Bodies of the virtual room, simulated; a frame of 1/{:.6g} s a row", rate_hz_);
   return {{name_of(session, "simulated", "motion.json"), sidecar.dump(2) + "\n"},
           {name_of(session, "simulated", "channels.tsv"), channels_tsv(channels)},
           {name_of(session, "simulated", "channels.json"),

@@ -42,7 +42,7 @@ std::vector<BidsFile> dataset_files(const Design& design, const Questionnaire& q
 /// trial's header.
 std::vector<BidsFile> session_files(const BidsSession& session);
 
-/// The simulated bodies as a further tracking system, with one row per 1/60 s.
+/// The simulated bodies as a further tracking system, with one row per frame (`rates.frame_hz`).
 class SimulatedSystem : public scene::Observer {
  public:
   /// @param take  receives pieces of the table

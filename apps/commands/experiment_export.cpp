@@ -255,7 +255,7 @@ void add_experiment_export(CLI::App& group) {
   add_json(*command, options->json);
   command->footer(
       "The dataset has one subject for each participant whose session counts: both receivers, the "
-      "simulated\nbodies at 60 Hz, events with the buttons, participants.tsv, answers in "
+      "simulated\nbodies in each frame, events with the buttons, participants.tsv, answers in "
       "phenotype/, and trials in\nsourcedata/. `headpin import` reads a session back to the same "
       "samples.\n\n"
       "Example:\n  headpin experiment export study --motion-bids dataset\n"

@@ -89,7 +89,7 @@ TEST_F(StudyAnswers, AreAskedOneByOneAndGoneOnWith) {
   EXPECT_THAT(half.out, HasSubstr("somewhere that I visited"));
   EXPECT_EQ(table("study/answers/p001.csv").size(), 3u);
   const Result rest = typed("experiment ask study --participant p001 --language de",
-                            "1\n6\nn/a\n2\nja\nnein\nweiblich\nStudium\n");
+                            "1 \n6\n\tn/a\n2\n ja\nnein\r\nweiblich  \nStudium\n");  // blanks too
   EXPECT_EQ(rest.code, 0) << rest.err;
   EXPECT_THAT(rest.out, HasSubstr("Haben Sie schon einmal"));
   ASSERT_EQ(typed("experiment ask study --participant p002", kAll).code, 0);

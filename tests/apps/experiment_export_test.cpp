@@ -106,6 +106,25 @@ TEST_F(StudyExport, TablesFitTheirChannelsAndPeopleTheirFolders) {
   }
 }
 
+TEST_F(StudyExport, RowsOfSimulatedBodiesAreTheScenariosFrames) {
+  std::ofstream(folder_ / "short.toml") << [] {
+    std::string text = slurp(HEADPIN_SOURCE_DIR "/assets/designs/uno-slater-1997.toml");
+    return text.replace(text.find("throws = 10"), 11, "throws = 1");
+  }();
+  ASSERT_EQ(headpin("experiment plan -o study --design short.toml --people 1").code, 0);
+  std::string room = slurp(folder_ / "study/scenario.toml");
+  const std::string rate = "frame_hz = 60";
+  room.replace(room.find(rate), rate.size(), "frame_hz = 30");
+  spit(folder_ / "study/scenario.toml", room);
+  ASSERT_EQ(headpin("experiment run study --all --virtual").code, 0);
+  ASSERT_EQ(headpin("experiment export study --motion-bids data").code, 0);
+  const auto sidecar = nlohmann::json::parse(
+      slurp(folder_ /
+            "data/sub-p001/motion/sub-p001_task-bowling_tracksys-simulated_run-01_motion.json"));
+  EXPECT_EQ(sidecar["SamplingFrequency"], 30.0);
+  EXPECT_THAT(sidecar["TaskDescription"].get<std::string>(), HasSubstr("a frame of 1/30 s a row"));
+}
+
 TEST_F(StudyExport, DeidentifiedHasNumbersAndNoTrials) {
   play(1);
   const Result made = headpin("experiment export study --motion-bids data --deidentify");

@@ -25,6 +25,13 @@ TEST(Wrap, TextGoesOnBelowItsFirstWord) {
   EXPECT_EQ(wrapped("no end of line", 10), "no end of\nline");
 }
 
+TEST(Wrap, AValueInALineIsCutBetweenLetters) {
+  EXPECT_EQ(apps::in_a_line("a\nb"), "ab");
+  EXPECT_EQ(apps::in_a_line(std::string(39, 'a') + "üb"), std::string(39, 'a') + "...");
+  EXPECT_EQ(apps::in_a_line(std::string(38, 'a') + "üb"), std::string(38, 'a') + "ü...");
+  EXPECT_EQ(apps::in_a_line(std::string(38, 'a') + "山b"), std::string(38, 'a') + "...");
+}
+
 TEST(Wrap, WhatFitsOrCannotBeBrokenStays) {
   for (const std::string text : {"", "\n", "ten letter\n", "muchtoolongaword\n", "   \n",
                                  "  headpin replay trial.lcmlog -o out.lcmlog\n"}) {
