@@ -9,7 +9,9 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include "devices/recordings/reading.h"
 #include "devices/recordings/text_table.h"
 
 namespace headpin::devices {
@@ -93,11 +95,68 @@ Columns read_columns(std::string_view text, std::string_view where) {
   return columns;
 }
 
+/// The reference frames that the tracked points name: the point's name and its frame's, in the order
+/// of the channels. Points that name none are left out.
+std::vector<std::pair<std::string, std::string>> frames_of_points(std::string_view text,
+                                                                  std::string_view where) {
+  const std::string channels = fmt::format("channels of {}", where);
+  TextTable table(text, channels, '\t');
+  table.read_names();
+  const std::size_t type = table.column("type"), point = table.column("tracked_point"),
+                    frame = table.column("reference_frame"), none = table.names().size();
+  std::vector<std::pair<std::string, std::string>> frames;
+  if (type == none || point == none || frame == none) return frames;
+  while (table.next()) {
+    const std::string name(table.text(point)), its(table.text(frame));
+    if ((table.text(type) != "POS" && table.text(type) != "ORNT") || its.empty() || its == "n/a")
+      continue;
+    const auto known = std::ranges::find(frames, name, &std::pair<std::string, std::string>::first);
+    if (known == frames.end()) {
+      frames.push_back({name, its});
+    } else if (known->second != its) {
+      table.fail(fmt::format(
+          "reference_frame of tracked point {}: expected one for its POS and ORNT channels, found "
+          "'{}' and '{}'",
+          name, known->second, its));
+    }
+  }
+  return frames;
+}
+
+/// A level of reference_frame: what it says of axes and rotations.
+BidsFrame frame_of_level(const std::string& name, const nlohmann::json& level) {
+  const auto said = [&](const char* key) {
+    const bool there = level.is_object() && level.contains(key) && level[key].is_string();
+    return there ? level[key].get<std::string>() : "";
+  };
+  BidsFrame frame{
+      .name = name, .axes = said("SpatialAxes"), .rotation_order = said("RotationOrder")};
+  const std::string rule = said("RotationRule");
+  if (rule == "left-hand") frame.left_handed = true;
+  if (rule == "right-hand") frame.left_handed = false;
+  return frame;
+}
+
+std::vector<BidsFrame> frames_of_levels(std::string_view text) {
+  const nlohmann::json channels = nlohmann::json::parse(text, nullptr, false);
+  std::vector<BidsFrame> frames;
+  if (!channels.is_object() || !channels.contains("reference_frame")) return frames;
+  const nlohmann::json& frame = channels["reference_frame"];
+  if (!frame.is_object() || !frame.contains("Levels") || !frame["Levels"].is_object())
+    return frames;
+  for (const auto& [name, level] : frame["Levels"].items())
+    frames.push_back(frame_of_level(name, level));
+  return frames;
+}
+
+bool same_meaning(const BidsFrame& a, const BidsFrame& b) {
+  return a.axes == b.axes && a.rotation_order == b.rotation_order && a.left_handed == b.left_handed;
+}
+
 /// Rotations about the frame's fixed axes, one after the other.
 class EulerOrder {
  public:
-  EulerOrder(const BidsFrame& frame, std::string_view where)
-      : sign_(frame.left_handed ? -1.0 : 1.0) {
+  EulerOrder(const BidsFrame& frame, std::string_view where) : sign_(sign_of(frame, where)) {
     std::string sorted = frame.rotation_order;
     std::ranges::sort(sorted);
     if (sorted != "XYZ") {
@@ -121,6 +180,13 @@ class EulerOrder {
   }
 
  private:
+  /// In the coordinates of left-handed axes a plain rotation already is one by the left hand; Axes
+  /// mirrors it. So a rule reverses angles only where it is not of the axes' hand.
+  static double sign_of(const BidsFrame& frame, std::string_view where) {
+    const Axes axes(frame.turning.empty() ? frame.axes : frame.turning, where);
+    return frame.left_handed.value_or(axes.left_handed()) == axes.left_handed() ? 1.0 : -1.0;
+  }
+
   double sign_;
   std::array<std::size_t, 3> axis_{};
 };
@@ -219,6 +285,35 @@ class Rows {
 };
 
 }  // namespace
+
+BidsFrame bids_frame(std::string_view channels, std::string_view levels, std::string_view where) {
+  const auto points = frames_of_points(channels, where);
+  const std::vector<BidsFrame> described = frames_of_levels(levels);
+  const auto level = [&](const std::string& name) {
+    const auto found = std::ranges::find(described, name, &BidsFrame::name);
+    return found == described.end() ? BidsFrame{.name = name} : *found;
+  };
+  if (points.empty()) {
+    if (described.empty()) return {};
+    for (const BidsFrame& other : described) {
+      if (same_meaning(other, described.front())) continue;
+      throw std::invalid_argument(fmt::format(
+          "{}: ..._channels.json describes the reference frames '{}' and '{}', which differ: "
+          "expected a column reference_frame in ..._channels.tsv that says which one it is",
+          where, described.front().name, other.name));
+    }
+    return described.front();
+  }
+  BidsFrame frame = level(points.front().second);
+  for (const auto& [point, name] : points) {
+    if (name == frame.name || same_meaning(level(name), frame)) continue;
+    throw std::invalid_argument(fmt::format(
+        "{}: expected all tracked points in reference frames with the same axes and rotations, "
+        "found {} in '{}' and {} in '{}'",
+        where, points.front().first, frame.name, point, name));
+  }
+  return frame;
+}
 
 MotionTracks parse_motion_bids(std::string_view motion, std::string_view channels,
                                std::string_view where, const BidsFrame& frame) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -9,12 +10,26 @@ namespace headpin::devices {
 
 /// What stands beside a ..._motion.tsv.
 struct BidsFrame {
+  std::string name = {};  ///< of the reference frame that the channels name; may be empty
   std::string axes = {};  ///< where +x, +y and +z point, as MotionOptions has it
+  /// Axes of the angles, where the user said others than those of positions; else empty.
+  std::string turning = {};
   std::string rotation_order =
-      {};                    ///< of Euler angles: about the frame's fixed axes, the first first
-  bool left_handed = false;  ///< its rotation rule
-  double rate_hz = 0.0;      ///< of the samples, where no LATENCY channel has their times
+      {};  ///< of Euler angles: about the frame's fixed axes, the first first
+  /// By which hand angles turn about an axis. Where nothing says it, by the hand of the axes.
+  std::optional<bool> left_handed = {};
+  double rate_hz = 0.0;  ///< of the samples, where no LATENCY channel has their times
 };
+
+/// The reference frame of the tracked points, with its name, axes, rotation order and rule, as far as
+/// they are said.
+///
+/// @param channels  the ..._channels.tsv; its column reference_frame names a level
+/// @param levels    the ..._channels.json that describes the levels; empty where there is none
+/// @param where     name of the ..._motion.tsv
+/// @throws std::invalid_argument  where positions and orientations of one point, or points, are in
+///                                frames of different meaning, or nothing says which frame it is
+BidsFrame bids_frame(std::string_view channels, std::string_view levels, std::string_view where);
 
 /// The tracked points of a Motion-BIDS recording, in our frame. Samples with n/a in them, and those
 /// at the time of the one before, are left out.

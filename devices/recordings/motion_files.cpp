@@ -162,36 +162,24 @@ nlohmann::json json_beside(const std::string& stem, const char* ending) {
   return nlohmann::json::parse(text_of(stem + ending), nullptr, false);
 }
 
-/// The value of this name in the first reference frame; empty if it has none.
-std::string said_of_frame(const nlohmann::json& channels, const char* name) {
-  if (!channels.is_object()) return "";
-  const nlohmann::json frame = channels.value("reference_frame", nlohmann::json::object());
-  const nlohmann::json levels =
-      frame.is_object() ? frame.value("Levels", nlohmann::json::object()) : nlohmann::json();
-  if (!levels.is_object() || levels.empty()) return "";
-  const nlohmann::json first = levels.begin().value();
-  const bool said = first.is_object() && first.contains(name) && first[name].is_string();
-  return said ? first[name].get<std::string>() : "";
-}
-
 MotionTracks read_motion_bids(const std::string& path, const MotionOptions& options) {
   const std::string stem = path.substr(0, path.size() - kMotionTsv.size());
-  const nlohmann::json beside = json_beside(stem, "_channels.json");
-  BidsFrame frame;
-  frame.axes = said_of_frame(beside, "SpatialAxes");
-  if (frame.axes.empty()) frame.axes = options.reading.axes.value_or("");
-  frame.rotation_order = said_of_frame(beside, "RotationOrder");
-  frame.left_handed = said_of_frame(beside, "RotationRule") == "left-hand";
+  const std::string channels = text_of(stem + "_channels.tsv"), levels = stem + "_channels.json";
+  BidsFrame frame = bids_frame(channels, fs::exists(levels) ? text_of(levels) : "", path);
+  // What the user says holds before what the file says.
+  if (options.reading.axes) frame.axes = *options.reading.axes;
+  frame.turning = options.reading.turning.value_or("");
   if (frame.axes.empty()) {
     throw std::invalid_argument(fmt::format(
-        "{}: expected SpatialAxes in {}_channels.json, or axes from the user", path, stem));
+        "{}: expected SpatialAxes{} in {}, or axes from the user", path,
+        frame.name.empty() ? "" : fmt::format(" of reference frame '{}'", frame.name), levels));
   }
   const nlohmann::json about = json_beside(stem, "_motion.json");
   if (about.is_object() && about.contains("SamplingFrequency") &&
       about["SamplingFrequency"].is_number()) {
     frame.rate_hz = about["SamplingFrequency"].get<double>();
   }
-  return parse_motion_bids(text_of(path), text_of(stem + "_channels.tsv"), path, frame);
+  return parse_motion_bids(text_of(path), channels, path, frame);
 }
 
 // VRPN.

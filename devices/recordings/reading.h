@@ -17,6 +17,8 @@ class Axes {
   /// @throws std::invalid_argument  naming `where`, unless there is one of each pair
   Axes(std::string_view letters, std::string_view where);
 
+  bool left_handed() const { return hand_ < 0.0; }
+
   /// Coordinates in that frame, in ours.
   Vec3 ours(const Vec3& theirs) const { return R_ * theirs; }
   /// A mirror reverses the direction of rotations.

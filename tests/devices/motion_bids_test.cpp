@@ -1,0 +1,163 @@
+#include "devices/recordings/motion_bids.h"
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "devices/recordings/motion_files.h"
+#include "tests/support/folder.h"
+
+namespace headpin::devices {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string kBidsHeader = "name\tcomponent\ttype\ttracked_point\tunits";
+
+/// Channels of a point with places and angles, and their reference frame where there is one.
+std::string point_channels(const std::string& point, const std::string& frame) {
+  std::string text;
+  for (const char* axis : {"x", "y", "z"}) {
+    text += point + "_p" + axis + "\t" + axis + "\tPOS\t" + point + "\tm" + frame + "\n";
+  }
+  for (const char* axis : {"x", "y", "z"}) {
+    text += point + "_r" + axis + "\t" + axis + "\tORNT\t" + point + "\tdeg" + frame + "\n";
+  }
+  return text;
+}
+
+/// A rotation by Rodrigues' formula, counted by the right hand in our right-handed frame.
+Mat3 turn_about(const Vec3& axis, double angle) {
+  Mat3 cross;
+  cross << 0, -axis.z(), axis.y(), axis.z(), 0, -axis.x(), -axis.y(), axis.x(), 0;
+  return Mat3::Identity() + std::sin(angle) * cross + (1 - std::cos(angle)) * cross * cross;
+}
+
+Vec3 direction(char letter) {
+  static const std::map<char, Vec3> kDirections = {{'R', Vec3(1, 0, 0)}, {'L', Vec3(-1, 0, 0)},
+                                                   {'S', Vec3(0, 1, 0)}, {'I', Vec3(0, -1, 0)},
+                                                   {'P', Vec3(0, 0, 1)}, {'A', Vec3(0, 0, -1)}};
+  return kDirections.at(letter);
+}
+
+// A rule says how a turn about a direction of the room looks, whatever the axes: the thumb of that hand
+// points along the axis, its fingers along the turn. Without a rule it is the hand of the axes.
+TEST(MotionBids, AnglesTurnByTheirRuleInAxesOfEitherHand) {
+  const Vec3 degrees(35, -50, 110);
+  for (const std::string axes : {"RSP", "ALS", "RSA", "ARS", "LIA", "PSR"}) {
+    const bool left_axes =
+        direction(axes[0]).cross(direction(axes[1])).dot(direction(axes[2])) < 0.0;
+    for (const std::optional<bool> left :
+         {std::optional<bool>(), std::optional(false), std::optional(true)}) {
+      for (const std::string order : {"ZXY", "XYZ"}) {
+        const double sign = left.value_or(left_axes) ? -1.0 : 1.0;
+        Mat3 expected = Mat3::Identity();
+        for (const char letter : order) {
+          const auto i = static_cast<std::size_t>(letter - 'X');
+          const double angle = sign * degrees[letter - 'X'] * std::numbers::pi / 180.0;
+          expected = Mat3(turn_about(direction(axes[i]), angle) * expected);
+        }
+        const MotionTracks read = parse_motion_bids(
+            "0\t0\t0\t35\t-50\t110\n", kBidsHeader + "\n" + point_channels("head", ""), "x",
+            {.axes = axes, .rotation_order = order, .left_handed = left, .rate_hz = 100.0});
+        const Quat q = read.tracks.at(0).second.samples().at(0).value.q;
+        EXPECT_LT((q.toRotationMatrix() - expected).norm(), 1e-12) << axes << " " << order << " "
+                                                                   << (!left   ? "no rule"
+                                                                       : *left ? "left"
+                                                                               : "right");
+      }
+    }
+  }
+}
+
+std::string levels_of(const std::string& levels) {
+  return R"({"reference_frame":{"Levels":{)" + levels + "}}}";
+}
+
+const std::string kRoom =
+    R"("room":{"SpatialAxes":"ALS","RotationRule":"right-hand","RotationOrder":"ZXY"})";
+const std::string kBody =
+    R"("body":{"SpatialAxes":"RSA","RotationRule":"left-hand","RotationOrder":"ZYX"})";
+
+TEST(MotionBids, TheReferenceFrameIsTheOneThatTheChannelsName) {
+  const std::string header = kBidsHeader + "\treference_frame\n";
+  const auto named = [&](const std::string& name) {
+    return header + "t\tn/a\tLATENCY\tn/a\ts\tn/a\n" + point_channels("head", "\t" + name) +
+           "g\tx\tGYRO\thead\trad/s\tbody\n";
+  };
+  const std::string both = levels_of(kBody + "," + kRoom);
+  const BidsFrame room = bids_frame(named("room"), both, "x");
+  EXPECT_EQ(room.axes, "ALS");
+  EXPECT_EQ(room.rotation_order, "ZXY");
+  EXPECT_EQ(room.left_handed, false);
+  const BidsFrame body = bids_frame(named("body"), both, "x");
+  EXPECT_EQ(body.axes, "RSA");
+  EXPECT_EQ(body.rotation_order, "ZYX");
+  EXPECT_EQ(body.left_handed, true);
+  const BidsFrame unknown = bids_frame(named("hall"), both, "x");
+  EXPECT_EQ(unknown.name, "hall");
+  EXPECT_EQ(unknown.axes, "");
+  EXPECT_FALSE(unknown.left_handed);
+  EXPECT_EQ(bids_frame(named("room"), "", "x").axes, "");
+}
+
+TEST(MotionBids, AnUnclearReferenceFrameIsRefused) {
+  const std::string both = levels_of(kBody + "," + kRoom), bare = kBidsHeader + "\n",
+                    header = kBidsHeader + "\treference_frame\n";
+  const auto said = [](const std::string& channels, const std::string& levels) {
+    return complaint([&] { bids_frame(channels, levels, "x"); });
+  };
+  // No column: one level, or several of one meaning, are clear.
+  EXPECT_EQ(said(bare + point_channels("head", ""), levels_of(kRoom)), "");
+  EXPECT_EQ(said(bare + point_channels("head", ""),
+                 levels_of(kRoom + "," + R"("hall")" + kRoom.substr(kRoom.find(':')))),
+            "");
+  EXPECT_THAT(said(bare + point_channels("head", ""), both),
+              HasSubstr("x: ..._channels.json describes the reference frames 'body' and 'room', "
+                        "which differ: expected a column reference_frame in ..._channels.tsv"));
+  EXPECT_THAT(said(header + point_channels("head", "\tn/a"), both), HasSubstr("which differ"));
+  // One point in two frames.
+  EXPECT_THAT(
+      said(header + point_channels("head", "\troom") + "q\tx\tORNT\thead\tdeg\tbody\n", both),
+      HasSubstr("channels of x:8: reference_frame of tracked point head: expected one for "
+                "its POS and ORNT channels, found 'room' and 'body'"));
+  // Points in two frames.
+  EXPECT_THAT(
+      said(header + point_channels("head", "\troom") + point_channels("hand", "\tbody"), both),
+      HasSubstr("x: expected all tracked points in reference frames with the same axes and "
+                "rotations, found head in 'room' and hand in 'body'"));
+}
+
+TEST(MotionBids, AFileIsReadInTheFrameThatItsChannelsName) {
+  const std::filesystem::path folder = fresh_folder("bids");
+  std::string channels = kBidsHeader + "\treference_frame\nt\tn/a\tLATENCY\tn/a\ts\tn/a\n";
+  std::string first = "0", second = "0.01";
+  for (const char* point : {"head", "right_hand"}) {
+    channels += point_channels(point, "\troom");
+    for (std::string* row : {&first, &second}) *row += "\t1\t2\t3\t0\t0\t90";
+  }
+  spit(folder / "a_motion.tsv", first + "\n" + second + "\n");
+  spit(folder / "a_channels.tsv", channels);
+  spit(folder / "a_channels.json", levels_of(kBody + "," + kRoom));
+  const Pose head = read_motion(folder / "a_motion.tsv", {}).head.at(0);
+  EXPECT_LT((head.p - Vec3(-2, 3, -1)).norm(), 1e-12);                  // ahead 1, left 2, up 3
+  EXPECT_LT((head.q * Vec3(0, 0, -1) - Vec3(-1, 0, 0)).norm(), 1e-12);  // a turn to the left
+  // The rule also holds in axes that the user says.
+  const MotionOptions told{.reading = {.axes = "RSA"}};
+  const Pose mirrored = read_motion(folder / "a_motion.tsv", told).head.at(0);
+  EXPECT_LT((mirrored.p - Vec3(1, 2, -3)).norm(), 1e-12);
+  // About ahead by the right hand: up goes to the right.
+  EXPECT_LT((mirrored.q * Vec3(0, 1, 0) - Vec3(1, 0, 0)).norm(), 1e-12);
+  spit(folder / "a_channels.json", levels_of(kBody));
+  EXPECT_THAT(complaint([&] { read_motion(folder / "a_motion.tsv", {}); }),
+              HasSubstr("expected SpatialAxes of reference frame 'room' in"));
+}
+
+}  // namespace
+}  // namespace headpin::devices
