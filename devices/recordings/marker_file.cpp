@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -53,15 +54,18 @@ std::string_view word_in(const std::vector<std::string_view>& cells, double unit
 MarkerLines read_lines(std::string_view text, std::string_view where, double unit_s) {
   MarkerLines read;
   std::optional<std::size_t> column;
+  bool first = true;  // of the lines that are neither blank nor remarks: it may be a header
   std::size_t number = 0;
   while (!text.empty()) {
     const std::string_view line = trimmed(take_front(text, '\n'));
     ++number;
     if (line.empty() || line.front() == '#') continue;
     const std::vector<std::string_view> cells = split_cells(line);
-    if (number == 1) column = time_column(cells);
+    if (std::exchange(first, false)) {
+      column = time_column(cells);
+      if (column) continue;
+    }
     const std::optional<bool> pressed = pressed_by(words_of(line));
-    if (number == 1 && column) continue;
     if (!pressed) {
       const std::string_view word = word_in(cells, unit_s);
       if (!word.empty()) read.others.push_back({word, number});

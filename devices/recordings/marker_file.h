@@ -14,7 +14,8 @@ std::optional<bool> pressed_by(const std::vector<std::string>& words);
 
 /// Reads when a hand grabbed and released from a file of markers: a line each, with a time and a word.
 ///
-/// The time is the column called onset, time or t, or else the first number of a line. Words for grab:
+/// Blank lines and remarks (#) are left out. The first line that is left may be a header. The time is its
+/// column called onset, time or t, or else the first number of a line. Words for grab:
 /// grab, grasp, pick, press, down, take, hold, and their forms; for release: release, throw, let go, drop,
 /// up. Other lines are ignored.
 ///

@@ -136,6 +136,11 @@ TEST(Markers, AreGrabsAndReleasesInOrder) {
   EXPECT_EQ(read("1,2 grab\n3,962 release\n").at(1).time, Time{3'962'000});
   EXPECT_EQ(read("1, grab\n3, release\n").at(1).time, Time{3'000'000});
   EXPECT_EQ(read("duration,onset,what\n7,1,grab\n8,2,let go\n").at(1).time, Time{2'000'000});
+  for (const std::string before : {"", "# made by a script\n", "\n", "\n# one\n \n# two\n"}) {
+    const auto timed = read(before + "sample,time,word\n100,1.222,grab\n300,3.96,release\n");
+    EXPECT_EQ(timed.at(0).time, Time{1'222'000}) << before;
+    EXPECT_EQ(timed.at(1).time, Time{3'960'000}) << before;
+  }
   EXPECT_THAT(complaint([&] { read("grab,release\n"); }), HasSubstr("m.csv:1: expected a time"));
 }
 
