@@ -396,12 +396,27 @@ std::string_view without_blanks(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-/// KEY=VALUE as TOML. A value that TOML does not know is text: `collision.shape=ellipsoid`.
+/// Whether the key is of text or of a choice, and the table has a number, a truth value or a date for it.
+bool is_text_unquoted(const toml::table& table, std::string_view key) {
+  static const std::set<std::string, std::less<>> kOfText = [] {
+    std::set<std::string, std::less<>> found;
+    for (const ScenarioKey& one : scenario_keys()) {
+      if (one.kind == "text") found.insert(one.key);
+    }
+    return found;
+  }();
+  const auto node = table.at_path(key);
+  return node && node.is_value() && !node.is_string() && kOfText.contains(key);
+}
+
+/// KEY=VALUE as TOML. A value that TOML does not know is text: `collision.shape=ellipsoid`. So is one
+/// that TOML takes for something else, where the key is of text: `collision.shape=true`, `name=5`.
 toml::table parse_assignment(std::string_view assignment, std::size_t equals,
                              const ScenarioText& text) {
   const std::string_view value = without_blanks(assignment.substr(equals + 1));
   try {
-    return parse_toml(assignment, text.where, true);
+    toml::table table = parse_toml(assignment, text.where, true);
+    if (!is_text_unquoted(table, without_blanks(assignment.substr(0, equals)))) return table;
   } catch (const std::invalid_argument&) {
     const bool meant_as_toml = value.find_first_of("[{'\"") == 0;
     if (meant_as_toml) throw;

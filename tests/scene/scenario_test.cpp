@@ -222,6 +222,24 @@ TEST(SetValue, TakesAnyText) {
   }
 }
 
+// TOML takes these for a truth value or a number, but the keys are of text.
+TEST(SetValue, TakesUnquotedTextThatLooksLikeAnotherValue) {
+  Scenario s;
+  s.collision.shape = s.version.red.shape = SkittleShape::ellipsoid;
+  set(s, "collision.shape=true");
+  set(s, "version.red.shape = true");
+  EXPECT_EQ(s.collision.shape, SkittleShape::parts);
+  EXPECT_EQ(s.version.red.shape, SkittleShape::parts);
+  for (const char* name : {"5", "true", "1e3", "2026-01-02", "inf"}) {
+    set(s, std::string("name=") + name);
+    EXPECT_EQ(s.name, name);
+  }
+  EXPECT_THAT(complaint([&] { set(s, "collision.shape=5"); }),
+              HasSubstr("must be \"true\" or \"ellipsoid\", found '5'"));
+  EXPECT_THAT(complaint([&] { set(s, "collision.shape=[5]"); }), HasSubstr("found [5]"));
+  EXPECT_THAT(complaint([&] { set(s, "ball.mass=true"); }), HasSubstr("ball.mass must be"));
+}
+
 TEST(SetValue, SaysWhatToTypeInstead) {
   const auto says = [](const std::string& assignment) {
     Scenario s;
