@@ -271,7 +271,9 @@ struct FromFile {
   Mat3 R;
   double unit;
 
-  FromFile(const std::string& path, const MeshMeasure& measure) : unit(measure.unit) {
+  std::string name;  ///< of the file
+
+  FromFile(const std::string& path, const MeshMeasure& measure) : unit(measure.unit), name(path) {
     if (!(unit > 0.0 && std::isfinite(unit))) {
       throw std::invalid_argument(fmt::format("{}: unit {}, expected above 0", path, unit));
     }
@@ -281,9 +283,9 @@ struct FromFile {
   Vec3 point(const aiVector3D& v) const {
     const Vec3 p = unit * (R * Vec3(v.x, v.y, v.z));
     if (!p.allFinite() || p.cwiseAbs().maxCoeff() > kFarthest) {
-      throw std::runtime_error(
-          fmt::format("a point at {:.3g}, {:.3g}, {:.3g} m, expected within {:g} m", p.x(), p.y(),
-                      p.z(), kFarthest));
+      throw std::invalid_argument(
+          fmt::format("{}: a point at {:.3g}, {:.3g}, {:.3g} m, expected within {:g} m", name,
+                      p.x(), p.y(), p.z(), kFarthest));
     }
     return p;
   }

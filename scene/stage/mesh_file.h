@@ -37,9 +37,10 @@ std::string read_mesh_file(const std::filesystem::path& path);
 ///
 /// @param bytes  of the file
 /// @param path   its name, for its kind and for messages
-/// @throws std::runtime_error     naming it: broken, without triangles or with more than 200,000, beyond
-///                                the limits of 1 s and 256 MB, or with numbers that no mesh has
-/// @throws std::invalid_argument  unit or axes that are none
+/// @throws std::runtime_error     naming it: broken, without triangles or with more than 200,000, or beyond
+///                                the limits of 1 s and 256 MB
+/// @throws std::invalid_argument  unit or axes that are none, and points too far away for a mesh, as
+///                                where the unit is another one
 MeshData mesh_of(std::string_view bytes, const std::filesystem::path& path,
                  const MeshMeasure& measure);
 
@@ -52,7 +53,7 @@ MeshData mesh_of(std::string_view bytes, const std::filesystem::path& path,
 /// @throws std::runtime_error     as mesh_of(), beyond 1000 vertices of a polyhedron, beyond 10 s of
 ///                                cutting, and when the mesh is not closed, is turned inside out or has
 ///                                no volume
-/// @throws std::invalid_argument  unit or axes that are none
+/// @throws std::invalid_argument  as mesh_of()
 std::vector<engine::Polyhedron> polyhedra_of(std::string_view bytes,
                                              const std::filesystem::path& path,
                                              const MeshMeasure& measure, std::size_t most);

@@ -113,9 +113,16 @@ bool is_measured_anew(const ScenarioText& text, const std::string& object) {
          (object == "skittle" && text.has("skittle.height"));
 }
 
+/// A mesh that other values do not fit; those that follow may.
+struct MeshMisfit : std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
+
 /// Completes the visible meshes: reads files that a text names, and finds those of a trial again. A hash
 /// that is given is checked, whether it comes with the file, before it or after it. A file that is not there is
 /// not missed where only its size is in question: a trial replays without it.
+/// @throws MeshMisfit             for a mesh that is larger or smaller than it must be
+/// @throws std::invalid_argument  for a file that cannot be read, or has another hash
 void take_meshes(Scenario& scenario, const ScenarioText& text, const Scenario& before) {
   for (const auto& [object, mesh, earlier, reach] :
        {std::tuple{"room", &scenario.room.mesh, &before.room.mesh, kReachOfRoom},
@@ -125,8 +132,8 @@ void take_meshes(Scenario& scenario, const ScenarioText& text, const Scenario& b
         {"hand", &scenario.hand.mesh, &before.hand.mesh, kReachOfHand}}) {
     const std::string key = fmt::format("{}.mesh", object);
     const bool named = text.has(key + ".file"), hashed = text.has(key + ".sha256");
-    const bool measured = !text.whole && is_measured_anew(text, object) &&
-                          std::filesystem::exists(mesh->file);
+    const bool measured =
+        !text.whole && is_measured_anew(text, object) && std::filesystem::exists(mesh->file);
     if (mesh->file.empty()) {
       if (named && (text.whole || !hashed)) mesh->sha256.clear();  // it belongs to no file
       continue;
@@ -136,12 +143,18 @@ void take_meshes(Scenario& scenario, const ScenarioText& text, const Scenario& b
       find_again(*mesh, text.folder / "trial");
       continue;
     }
-    if (named && !hashed && !earlier->file.empty()) mesh->sha256.clear();  // it belongs to the earlier file
+    if (named && !hashed && !earlier->file.empty())
+      mesh->sha256.clear();  // it belongs to the earlier file
+    const auto why = [&](const std::exception& e) {
+      return fmt::format("{}: {}: {}", text.place(key + (named ? ".file" : ".sha256")), key,
+                         e.what());
+    };
     try {
       take_seen(*mesh, text.folder, reach);
+    } catch (const std::invalid_argument& e) {
+      throw MeshMisfit(why(e));
     } catch (const std::exception& e) {
-      throw std::invalid_argument(fmt::format(
-          "{}: {}: {}", text.place(key + (named ? ".file" : ".sha256")), key, e.what()));
+      throw std::invalid_argument(why(e));
     }
   }
 }
@@ -161,6 +174,22 @@ void check(const Scenario& scenario, const ScenarioText& text) {
   if (!text.whole && (text.names("rig") || text.names("game"))) {
     check_chosen(scenario, text.where, lines);
   }
+}
+
+/// Completes a scenario after an assignment; whether it then fits together.
+/// @throws std::invalid_argument  for what no other assignment mends
+bool fits(Scenario& scenario, ScenarioText& text, const Scenario& before) {
+  try {
+    complete(scenario, text, before);
+  } catch (const MeshMisfit&) {
+    return false;
+  }
+  try {
+    check(scenario, text);
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -213,14 +242,12 @@ void set(Scenario& scenario, const std::vector<Assignment>& assignments) {
     ScenarioText text{.where = where, .one_line = true};
     const Scenario before = scenario;
     read_assignment(scenario, assignment, text);
-    complete(scenario, text, before);
-    try {
-      check(scenario, text);
-    } catch (const std::invalid_argument&) {
-      in_doubt.push_back(std::move(text));
-    }
+    if (!fits(scenario, text, before)) in_doubt.push_back(std::move(text));
   }
-  for (const ScenarioText& text : in_doubt) check(scenario, text);
+  for (const ScenarioText& text : in_doubt) {
+    take_meshes(scenario, text, {});  // a hash that is there now was given, or is of this file
+    check(scenario, text);
+  }
 }
 
 }  // namespace headpin::scene

@@ -436,5 +436,41 @@ TEST(SeenMesh, AGivenHashIsCheckedBeforeAndAfterItsFile) {
   EXPECT_EQ(refusal(without, {other}), "");
 }
 
+// Its unit, or what it must be as large as, may come before it or after it.
+TEST(SeenMesh, AssignmentsFitTogetherInAnyOrder) {
+  const TemporaryFolder folder;
+  spit(folder / "mm.obj", spool_obj(false, 0.0, 1.0));  // 300 high
+  const std::string file = "skittle.mesh.file=" + (folder / "mm.obj").string(),
+                    unit = "skittle.mesh.unit=0.001";
+  const auto refusal = [](Scenario scenario, const std::vector<std::string>& assignments) {
+    std::vector<Assignment> all;
+    for (const std::string& one : assignments) all.push_back({one, one.substr(0, 17)});
+    return complaint([&] { set(scenario, all); });
+  };
+  EXPECT_EQ(refusal({}, {unit, file}), "");
+  EXPECT_EQ(refusal({}, {file, unit}), "");
+  EXPECT_THAT(refusal({}, {file}), HasSubstr("skittle.mesh.file: skittle.mesh: "));
+  EXPECT_THAT(refusal({}, {file, "ball.mass=5"}), testing::StartsWith("skittle.mesh.file: "));
+  // A room of 4.5 m is 4500 in millimetres, farther than any mesh may reach in metres.
+  spit(folder / "room.obj", spool_obj(false, 0.0, 15.0));
+  const std::string room = "room.mesh.file=" + (folder / "room.obj").string();
+  EXPECT_THAT(refusal({}, {room}), HasSubstr("expected within 1000 m"));
+  EXPECT_EQ(refusal({}, {room, "room.mesh.unit=0.001"}), "");
+  EXPECT_EQ(refusal({}, {"room.mesh.unit=0.001", room}), "");
+  // A scenario that has a mesh may get another one with another unit.
+  Scenario seen;
+  set(seen, "skittle.mesh.file=" + (kMeshes / "skittle.obj").string());
+  EXPECT_EQ(refusal(seen, {unit, file}), "");
+  EXPECT_EQ(refusal(seen, {file, unit}), "");
+  EXPECT_THAT(refusal(seen, {unit, "ball.mass=5"}), testing::StartsWith("skittle.mesh.unit"));
+  // A hash that is given is checked all the same.
+  for (const std::vector<std::string>& all :
+       {std::vector<std::string>{file, unit, "skittle.mesh.sha256=abcd"},
+        {file, "skittle.mesh.sha256=abcd", unit},
+        {"skittle.mesh.sha256=abcd", file, unit}}) {
+    EXPECT_THAT(refusal({}, all), HasSubstr("expected abcd"));
+  }
+}
+
 }  // namespace
 }  // namespace headpin::scene
