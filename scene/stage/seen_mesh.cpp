@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
 #include <stdexcept>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -51,6 +53,27 @@ MeshData data_of(const MeshFile& mesh) {
     throw std::runtime_error(fmt::format(
         "{}; the program looks for a mesh at its recorded path and next to the trial", e.what()));
   }
+}
+
+/// The bytes of the file that a scenario with corners was made from; none where it is gone, or another
+/// one now. The corners do without it.
+std::optional<std::string> bytes_if_there(MeshFile mesh) {
+  try {
+    return bytes_of(mesh);
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
+  }
+}
+
+/// Of polyhedra [m^3], each for itself.
+double volume_of_pieces(const std::vector<const SkittlePart*>& pieces) {
+  std::vector<engine::Part> hulls;
+  for (const SkittlePart* piece : pieces) {
+    hulls.push_back({engine::Polyhedron(piece->corners, piece->faces), {}});
+  }
+  return engine::mass_properties(engine::make_compound(std::move(hulls)), 1.0,
+                                 engine::Overlaps::none)
+      .mass;
 }
 
 void make_absolute(MeshFile& mesh, const fs::path& folder) {
@@ -110,31 +133,32 @@ std::vector<std::string> not_drawn(const Scenario& scenario) {
 }
 
 std::vector<std::string> not_convex(const Scenario& scenario) {
-  std::map<std::string, std::vector<const SkittlePart*>> by_file;
+  // One mesh, with its unit and axes, may be several parts, each of one or more pieces.
+  std::map<std::tuple<std::string, double, std::string>, std::vector<const SkittlePart*>> by_mesh;
   for (const SkittlePart& part : scenario.skittle.parts) {
     if (part.shape == PartShape::polyhedron && !part.mesh.file.empty()) {
-      by_file[part.mesh.file].push_back(&part);
+      by_mesh[{part.mesh.file, part.mesh.unit, part.mesh.axes}].push_back(&part);
     }
   }
   std::vector<std::string> told;
-  for (const auto& [file, pieces] : by_file) {
-    MeshFile mesh = pieces[0]->mesh;
-    const double volume = enclosed_volume(bytes_of(mesh), file, measure_of(mesh));
-    std::vector<engine::Part> hulls;
-    for (const SkittlePart* piece : pieces) {
-      hulls.push_back({engine::Polyhedron(piece->corners, piece->faces), {}});
-    }
-    const double of_pieces = engine::mass_properties(engine::make_compound(std::move(hulls)), 1.0,
-                                                     engine::Overlaps::none)
-                                 .mass;
-    const double added = std::max(0.0, of_pieces / volume - 1.0);
+  for (const auto& [key, pieces] : by_mesh) {
+    const SkittlePart& first = *pieces[0];
+    const MeshFile& mesh = first.mesh;
+    const std::optional<std::string> bytes = bytes_if_there(mesh);
+    if (!bytes) continue;
+    const auto uses = static_cast<std::size_t>(std::ranges::count_if(
+        pieces, [&](const SkittlePart* piece) { return piece->corners == first.corners; }));
+    const double volume = enclosed_volume(*bytes, mesh.file, measure_of(mesh));
+    const double added =
+        std::max(0.0, volume_of_pieces(pieces) / (static_cast<double>(uses) * volume) - 1.0);
+    const std::size_t of_one = pieces.size() / uses;
     constexpr double kRounding = 1e-4;  // of coordinates that a file gives with four digits
-    if (pieces.size() == 1 && added < kRounding) continue;
+    if (of_one == 1 && added < kRounding) continue;
     told.push_back(
         fmt::format("skittle.parts: {}: not convex: {} convex piece{} collide{} in its place, with "
                     "{:.1f} % more volume",
-                    fs::path(file).filename().string(), pieces.size(),
-                    pieces.size() == 1 ? "" : "s", pieces.size() == 1 ? "s" : "", 100.0 * added));
+                    fs::path(mesh.file).filename().string(), of_one, of_one == 1 ? "" : "s",
+                    of_one == 1 ? "s" : "", 100.0 * added));
   }
   return told;
 }

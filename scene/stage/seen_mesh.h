@@ -38,9 +38,10 @@ void take_seen(MeshFile& mesh, const std::filesystem::path& folder, const Reach&
 std::vector<std::string> not_drawn(const Scenario& scenario);
 
 /// The mesh files of skittles that are not convex, with the convex pieces that collide in their place,
-/// one sentence per file.
+/// one sentence per file with its unit and axes. A file that cannot be read, or has another hash, is left
+/// out: the scenario has its corners.
 ///
-/// @throws std::runtime_error  as seen_mesh()
+/// @throws std::runtime_error  for a file that encloses nothing
 std::vector<std::string> not_convex(const Scenario& scenario);
 
 /// A polyhedron with its corners, faces and measures. Without corners it is read from its file, and

@@ -231,6 +231,32 @@ TEST(PolyhedronPart, ThatIsNotConvexIsItsPieces) {
   EXPECT_NEAR(body.body.inertia(2, 2), 1.2 * about_axis / volume, 1e-8);
 }
 
+// What is told of a mesh is of one use of it, by the file that the corners are from.
+TEST(PolyhedronPart, IsToldOfByItsFileUnitAndAxes) {
+  const TemporaryFolder folder;
+  const std::string lane = (folder / "lane.toml").string();
+  const std::string hull = (kMeshes / "skittle_hull.obj").string();
+  const auto told = [&](const std::string& parts) {
+    return not_convex(parse_scenario("[skittle]\nparts = [" + parts + "]\n", lane));
+  };
+  const auto part = [](const std::string& file, const std::string& more = "") {
+    return "{shape = 'polyhedron', file = '" + file + "'" + more + "}";
+  };
+  EXPECT_THAT(told(part(hull) + ", " + part(hull)), testing::IsEmpty());
+  EXPECT_THAT(told(part(hull) + ", " + part(hull, ", unit = 0.9")), testing::IsEmpty());
+  spit(folder / "spool.obj", spool_obj(false, 0.0, 0.001));
+  EXPECT_THAT(told(part("spool.obj") + ", " + part("spool.obj")),
+              testing::ElementsAre(HasSubstr("3 convex pieces collide in its place, with 0.0 %")));
+  // The corners do without the file: where it is another one now, or gone, nothing is told of it.
+  const std::string text =
+      to_toml(parse_scenario("[skittle]\nparts = [" + part("spool.obj") + "]\n", lane));
+  EXPECT_EQ(not_convex(parse_scenario(text, lane)).size(), 1u);
+  spit(folder / "spool.obj", spool_obj(false, 0.0, 0.002));
+  EXPECT_THAT(not_convex(parse_scenario(text, lane)), testing::IsEmpty());
+  std::filesystem::remove(folder / "spool.obj");
+  EXPECT_THAT(not_convex(parse_scenario(text, lane)), testing::IsEmpty());
+}
+
 TEST(PolyhedronPart, WithANeckStandsUntilItIsStruck) {
   const Scenario scenario =
       parse_scenario(fmt::format("[skittle]\nparts = [{{shape = 'polyhedron', file = '{}'}}]",
