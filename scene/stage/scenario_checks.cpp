@@ -154,6 +154,9 @@ class Checker {
                                    profile[i].x(), profile[i - 1].x()));
       }
     }
+    if (std::ranges::none_of(profile, [](const Vec2& p) { return p.y() > kNone; })) {
+      refuse("skittle.profile", "must have a radius above 0, found 0 for all points");
+    }
     if (std::abs(profile.front().x()) > kSame) {
       refuse(key(0), fmt::format("must begin at the base, 0; found {}", profile.front().x()));
     }
@@ -169,6 +172,12 @@ class Checker {
     if (s_.lane.width >= s_.room.width) {
       refuse("lane.width", fmt::format("must be less than the room's, {}; found {}", s_.room.width,
                                        s_.lane.width));
+    }
+    if (s_.room.solid_ceiling && s_.skittle.height >= s_.room.height) {
+      refuse("skittle.height",
+             fmt::format("must be less than the room's, {}, under a solid ceiling; found {}",
+                         s_.room.height, s_.skittle.height),
+             {"room.height", "room.solid_ceiling"});
     }
     if (s_.lane.gutter_depth > 0.0) check_gutters();
   }

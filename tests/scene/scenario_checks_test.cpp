@@ -95,6 +95,24 @@ TEST(ScenarioCheck, AProfileRisesFromTheBaseToTheTop) {
   EXPECT_THAT(profile("[0.1, 0.02],\n[0.2, 0.03],\n[0.381, 0]"), HasSubstr("begin at the base"));
   EXPECT_THAT(profile("[0, 0.02],\n[0.2, 0.03],\n[0.3, 0]"),
               HasSubstr("end at the skittle's height, 0.381; found 0.3"));
+  // Without a radius it has no volume, so its centre of mass is nowhere.
+  EXPECT_EQ(refusal("[skittle]\nprofile = [[0, 0], [0.1, 0], [0.381, 0]]"),
+            "lane.toml:2: skittle.profile must have a radius above 0, found 0 for all points");
+  EXPECT_EQ(profile("[0, 0],\n[0.1, 0.02],\n[0.381, 0]"), "");
+}
+
+TEST(ScenarioCheck, SkittlesStandBelowASolidCeiling) {
+  const auto ceiling = [](double height, bool solid) {
+    return refusal(
+        fmt::format("[room]\nheight = {}\nsolid_ceiling = {}\n[skittle]\nheight = 1.6\n"
+                    "profile = [[0, 0.05], [0.8, 0.05], [1.6, 0]]\nparts = [{{high = 1.6}}]",
+                    height, solid));
+  };
+  EXPECT_EQ(ceiling(1.5, true),
+            "lane.toml:5: skittle.height must be less than the room's, 1.5, under a solid ceiling; "
+            "found 1.6");
+  EXPECT_EQ(ceiling(1.7, true), "");
+  EXPECT_EQ(ceiling(1.5, false), "");
 }
 
 TEST(ScenarioCheck, TheBallIsInNoWallFloorOrSkittle) {
