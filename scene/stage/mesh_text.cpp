@@ -11,8 +11,35 @@
 
 namespace headpin::scene {
 
-std::string plain_obj(std::string_view bytes) {
+namespace {
+
+/// An OBJ whose lines begin without blanks and end with a line feed, without a byte order mark: other
+/// programs read it all the same, assimp does not. A line that goes on from the one before keeps its
+/// blanks.
+std::string evened_obj(std::string_view bytes) {
+  constexpr std::string_view kMark = "\xef\xbb\xbf";
+  if (bytes.starts_with(kMark)) bytes.remove_prefix(kMark.size());
   std::string text(bytes);
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '\r' && text.compare(i, 2, "\r\n") != 0) text[i] = '\n';
+  }
+  std::string evened;
+  evened.reserve(text.size());
+  for (std::string_view rest = text; !rest.empty();) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size() - 1) + 1;
+    std::string_view line = rest.substr(0, end);
+    rest.remove_prefix(end);
+    const bool goes_on = evened.ends_with("\\\n") || evened.ends_with("\\\r\n");
+    if (!goes_on) line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+    evened += line;
+  }
+  return evened;
+}
+
+}  // namespace
+
+std::string plain_obj(std::string_view bytes) {
+  std::string text = evened_obj(bytes);
   std::size_t number = 0;
   for (std::size_t at = 0, end = 0; at < text.size(); at = end + 1) {
     end = std::min(text.find('\n', at), text.size());
@@ -47,8 +74,10 @@ void require_faces(std::span<const std::uint32_t> sizes, std::span<const std::ui
 
 std::string unseen_of_mesh(const std::string& kind, std::string_view bytes) {
   if (kind == ".gltf" || kind == ".glb") return unseen_of_gltf(bytes);
-  const bool has_library = bytes.starts_with("mtllib") || bytes.find("\nmtllib") != bytes.npos;
-  return kind == ".obj" && has_library ? "materials" : "";
+  if (kind != ".obj") return "";
+  const std::string text = evened_obj(bytes);
+  const bool has_library = text.starts_with("mtllib") || text.find("\nmtllib") != text.npos;
+  return has_library ? "materials" : "";
 }
 
 void require_whole_ply(std::string_view bytes) {

@@ -9,7 +9,8 @@
 /// Checks of mesh files that assimp does not make. They stay our own code for that reason.
 namespace headpin::scene {
 
-/// An OBJ without the lines that name materials, and without comments.
+/// An OBJ without the lines that name materials, without comments, a byte order mark and blanks before
+/// its lines, and with line feeds where the file has carriage returns alone.
 ///
 /// @throws std::runtime_error  with the reason alone, where a vertex is what assimp would take for 0
 std::string plain_obj(std::string_view bytes);

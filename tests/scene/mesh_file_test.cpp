@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <numbers>
+#include <sstream>
 #include <string>
 #include <tuple>
 
@@ -178,10 +179,32 @@ std::string glb_of_cube(const std::string& uri = "", unsigned count = 36) {
   return glb + std::string("BIN\0", 4) + buffer;
 }
 
+/// kCube as other programs write it.
+std::string with_lines(const std::string& before, const std::string& end) {
+  std::string text;
+  std::istringstream lines(kCube);
+  for (std::string line; std::getline(lines, line);) text += before + line + end;
+  return text;
+}
+
+TEST(MeshFile, ThatIsIndentedStillTellsItsMaterialsAndItsLines) {
+  EXPECT_EQ(unseen_of_mesh(".obj", "v 0 0 0\r  mtllib a.mtl\r"), "materials");
+  EXPECT_EQ(unseen_of_mesh(".obj", "\xef\xbb\xbfmtllib a.mtl\n"), "materials");
+  EXPECT_EQ(complaint([] { plain_obj("v 0 0 0\r\n  v 1 one 0\r\n"); }),
+            "line 2: a vertex is not a number");
+  EXPECT_EQ(complaint([] { plain_obj("v 0 0 0\r v 1 one 0\r"); }),
+            "line 2: a vertex is not a number");
+  EXPECT_EQ(plain_obj("f 1 2\\\n 3\n"), "f 1 2\\\n 3\n");  // one line, whose blank counts
+}
+
 TEST(MeshFile, IsTheSameCubeInEveryFormat) {
   for (const auto& [name, text] :
        {std::pair{"cube.obj", std::string(kCube)},
         {"commented.obj", "# by hand\nv 0 0 0 # first\n" + std::string(kCube).substr(8)},
+        {"indented.obj", with_lines(" \t", "\n")},
+        {"mark.obj", "\xef\xbb\xbf" + std::string(kCube)},
+        {"old_mac.obj", with_lines("", "\r")},
+        {"windows.obj", with_lines("  ", "\r\n")},
         {"cube.off", off_of_cube()},
         {"cube.ply", ply_of_cube()},
         {"cube.stl", stl_of_cube()},
