@@ -11,6 +11,8 @@
 #include "apps/streams.h"
 #include "scene/people/participant.h"
 #include "scene/record/log.h"
+#include "scene/scenario/choices.h"
+#include "scene/scenario/rules.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/totals.h"
 
@@ -42,13 +44,17 @@ void print_person(const scene::Person& person) {
              person.left_handed ? "left" : "right", person.height, person.skill);
 }
 
-void print_throws(const scene::Participant& participant) {
+/// Why a participant made fewer throws than it was asked for.
+std::string why_fewer(const scene::Participant& participant, scene::GameKind rules) {
+  if (participant.gave_up()) return "then gave up";
+  if (scene::rules_of(rules).counted) return "then the game was over";
+  return fmt::format("as no ball comes back with game.rules \"{}\"", scene::name_of(rules));
+}
+
+void print_throws(const scene::Participant& participant, scene::GameKind rules) {
   const int made = participant.throws(), asked = participant.throws_asked();
   fmt::print("  throws             {}", made);
-  if (made < asked) {
-    fmt::print(" of {}, {}", asked,
-               participant.gave_up() ? "then gave up" : "then the game was over");
-  }
+  if (made < asked) fmt::print(" of {}, {}", asked, why_fewer(participant, rules));
   fmt::print("\n");
 }
 
@@ -103,7 +109,7 @@ void play_session(const ParticipantSession& plan, base::OutputFile output, bool 
       "{}\n  samples            {} of head, hand and buttons\n  duration           {:.3f} s\n",
       path, writer.written(), seconds(session.now()));
   print_person(person);
-  print_throws(participant);
+  print_throws(participant, scenario.game.rules);
   for (const scene::Sheet& game : totals.score().games) {
     fmt::print("  score sheet        {}\n", scene::in_words(game));
   }

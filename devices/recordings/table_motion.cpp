@@ -155,6 +155,11 @@ std::optional<double> trigger_value(const AnyTable& table, std::string_view cell
   return std::nullopt;
 }
 
+/// Both hands may have one trigger, of which they need be told once.
+void tell_once(std::vector<std::string>& notes, std::string note) {
+  if (std::ranges::find(notes, note) == notes.end()) notes.push_back(std::move(note));
+}
+
 /// The changes of a trigger: a press is above half of its largest value. A cell that says nothing keeps
 /// the value before; in a column that never says "not pressed" it is not pressed.
 std::vector<Stamped<bool>> presses(const AnyTable& table, std::size_t column, const TimedRows& rows,
@@ -168,8 +173,10 @@ std::vector<Stamped<bool>> presses(const AnyTable& table, std::size_t column, co
   }
   const std::string& name = table.columns[column].name;
   if (silent == rows.size()) {
-    notes.push_back(fmt::format(
-        "the trigger '{}' has no numbers, and no words such as grab and release: ignored", name));
+    tell_once(notes,
+              fmt::format(
+                  "the trigger '{}' has no numbers, and no words such as grab and release: ignored",
+                  name));
     return {};
   }
   const auto is_released = [&](const auto& row) {
@@ -178,9 +185,9 @@ std::vector<Stamped<bool>> presses(const AnyTable& table, std::size_t column, co
   };
   const bool keeps = std::ranges::any_of(rows, is_released);
   if (silent > 0) {
-    notes.push_back(fmt::format("the trigger '{}' is blank or no number in {} of {} rows: {}", name,
-                                silent, rows.size(),
-                                keeps ? "the value before is kept" : "not pressed"));
+    tell_once(notes,
+              fmt::format("the trigger '{}' is blank or no number in {} of {} rows: {}", name,
+                          silent, rows.size(), keeps ? "the value before is kept" : "not pressed"));
   }
   std::vector<Stamped<bool>> changes;
   for (const auto& row : rows) {

@@ -200,6 +200,11 @@ TEST_F(ParticipantCommands, ThrowsThatTheGameLeavesNoTimeForAreTold) {
   EXPECT_LT(made["throw_count"], 50);
   EXPECT_THAT(headpin(line + "-o again.lcmlog").out,
               testing::HasSubstr(made["throw_count"].dump() + " of 50, then the game was over"));
+  // A room without a game has no end of one.
+  const std::string out =
+      headpin("synthesize --participant 3 --scenario paper-room --throws 2 -o room.lcmlog").out;
+  EXPECT_THAT(out,
+              testing::HasSubstr("1 of 2, as no ball comes back with game.rules \"one-throw\"\n"));
 }
 
 TEST_F(ParticipantCommands, WhatDoesNotGoTogetherIsRefused) {

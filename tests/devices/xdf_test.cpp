@@ -2,6 +2,7 @@
 
 #include "scene/record/xdf.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -246,6 +247,30 @@ TEST(XdfMotion, HeadAndHandOfTwoClocksAreTogether) {
   EXPECT_EQ(recording.triggers[1][1].time, Time{900'000});
   EXPECT_THAT(recording.notes, testing::Contains(HasSubstr("'Amplifier' (EEG, 2 channels)")));
   EXPECT_THAT(recording.notes, testing::Contains(HasSubstr("markers 'Task marker'")));
+}
+
+// The markers are the trigger of both hands.
+TEST(XdfMotion, MarkersThatSayNothingOfTheTriggerAreToldOnce) {
+  std::string file = xdf::begin();
+  std::uint32_t id = 0;
+  for (const std::string object : {"HMD", "Left controller", "Right controller"})
+    file += xdf::stream(++id, object, "MoCap", "double64", 0.0, channels_of(object));
+  file += xdf::stream(4, "Task", "Markers", "string", 0.0, {{"marker", ""}});
+  for (int i = 0; i < 120; ++i) {
+    const std::string one = xdf::sample(10.0 + 0.01 * i, pose_in_mm(0.0, 1600.0 + i, 0.0));
+    for (id = 1; id <= 3; ++id) file += xdf::samples(id, 1, one);
+  }
+  file += xdf::samples(4, 3,
+                       xdf::sample(10.1, xdf::text("cue")) + xdf::sample(10.2, xdf::text("grab")) +
+                           xdf::sample(10.9, xdf::text("release")));
+  for (id = 1; id <= 4; ++id) file += xdf::footer(id);
+  const MotionTracks read = parse_xdf_motion(bytes_in(file), "x.xdf", {});
+  EXPECT_EQ(read.triggers[0].size(), 2u);
+  EXPECT_EQ(read.triggers[1].size(), 2u);
+  EXPECT_EQ(std::ranges::count_if(
+                read.notes,
+                [](const std::string& note) { return note.find("blank") != std::string::npos; }),
+            1);
 }
 
 TEST(XdfMotion, EulerAnglesOfTheirTypesAreRead) {
