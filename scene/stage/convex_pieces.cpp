@@ -38,8 +38,12 @@ std::map<Directed, std::uint32_t> sides_of(const Surface& surface) {
     for (std::size_t k = 0; k < 3; ++k) {
       const Directed edge{corners[k], corners[(k + 1) % 3]};
       if (sides.emplace(edge, t).second) continue;
-      refuse_surface(fmt::format("edge {}-{} belongs to triangles {} and {}, both on its left side",
-                                 edge.first, edge.second, sides[edge], t));
+      const Vec3 &a = surface.points[edge.first], &b = surface.points[edge.second];
+      refuse_surface(fmt::format(
+          "the edge from {:.4g}, {:.4g}, {:.4g} to {:.4g}, {:.4g}, {:.4g} m belongs to two "
+          "triangles that are both on its left side; expected one on each side: two parts of the "
+          "mesh share this edge, or a face is there twice or turned round",
+          a.x(), a.y(), a.z(), b.x(), b.y(), b.z()));
     }
   }
   std::size_t alone = 0;

@@ -294,6 +294,16 @@ TEST(ConvexPieces, OfWhatIsNoBodyAreRefused) {
   Surface one = ell();
   std::swap(one.triangles[3][0], one.triangles[3][1]);
   EXPECT_THAT(refusal(one), HasSubstr("both on its left side"));
+  // A box that stands on another one shares its edges: the message says where.
+  Surface tower =
+      both(box({0.0, 0.0, 0.0}, {0.1, 0.1, 0.1}), box({0.0, 0.0, 0.1}, {0.1, 0.1, 0.3}));
+  std::vector<Vec3> points;
+  const std::vector<std::uint32_t> index = weld(tower.points, 1e-6, points);
+  tower.points = points;
+  for (auto& t : tower.triangles) t = {index[t[0]], index[t[1]], index[t[2]]};
+  const std::string said = refusal(tower);
+  EXPECT_THAT(said, HasSubstr("0.1 m belongs to two triangles"));
+  EXPECT_THAT(said, HasSubstr("two parts of the mesh share this edge"));
   Surface flat = ell();
   for (Vec3& p : flat.points) p.z() *= 1e-12;
   EXPECT_THAT(refusal(flat), HasSubstr("no volume"));
