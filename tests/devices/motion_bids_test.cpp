@@ -39,7 +39,7 @@ Mat3 turn_about(const Vec3& axis, double angle) {
   return Mat3::Identity() + std::sin(angle) * cross + (1 - std::cos(angle)) * cross * cross;
 }
 
-Vec3 direction(char letter) {
+Vec3 letter_axis(char letter) {
   static const std::map<char, Vec3> kDirections = {{'R', Vec3(1, 0, 0)}, {'L', Vec3(-1, 0, 0)},
                                                    {'S', Vec3(0, 1, 0)}, {'I', Vec3(0, -1, 0)},
                                                    {'P', Vec3(0, 0, 1)}, {'A', Vec3(0, 0, -1)}};
@@ -52,7 +52,7 @@ TEST(MotionBids, AnglesTurnByTheirRuleInAxesOfEitherHand) {
   const Vec3 degrees(35, -50, 110);
   for (const std::string axes : {"RSP", "ALS", "RSA", "ARS", "LIA", "PSR"}) {
     const bool left_axes =
-        direction(axes[0]).cross(direction(axes[1])).dot(direction(axes[2])) < 0.0;
+        letter_axis(axes[0]).cross(letter_axis(axes[1])).dot(letter_axis(axes[2])) < 0.0;
     for (const std::optional<bool> left :
          {std::optional<bool>(), std::optional(false), std::optional(true)}) {
       for (const std::string order : {"ZXY", "XYZ"}) {
@@ -61,7 +61,7 @@ TEST(MotionBids, AnglesTurnByTheirRuleInAxesOfEitherHand) {
         for (const char letter : order) {
           const auto i = static_cast<std::size_t>(letter - 'X');
           const double angle = sign * degrees[letter - 'X'] * std::numbers::pi / 180.0;
-          expected = Mat3(turn_about(direction(axes[i]), angle) * expected);
+          expected = Mat3(turn_about(letter_axis(axes[i]), angle) * expected);
         }
         const MotionTracks read = parse_motion_bids(
             "0\t0\t0\t35\t-50\t110\n", kBidsHeader + "\n" + point_channels("head", ""), "x",
