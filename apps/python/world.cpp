@@ -265,15 +265,17 @@ py::dict ledger(PyWorld& w) {
 
 void add_body_class(py::module_& m) {
   py::class_<Body>(m, "Body", "What a body is made of; a world has its state.")
-      .def(py::init(&body_of), "shape"_a, "name"_a = "", "mass"_a = 1.0, "inertia"_a = py::none(),
-           "elasticity"_a = 0.7, "friction"_a = 0.7, "rolling_arm"_a = 0.0, "kind"_a = "free", "exact"_a = false,
-           "shape: in the frame B of the body, whose origin is the centre of mass.\n"
-           "mass [kg].\ninertia: (3, 3), about the centre of mass [kg m^2]; None: of a uniform "
-           "solid.\nelasticity, friction: 0 to 1; those of two bodies are multiplied.\n"
-           "rolling_arm: rolling resistance as a length [m].\n"
-           "kind: fixed (never moves), driven (moves as set, with infinite mass) or free.\n"
-           "exact: what touches it is detected as in converged mode, also with detection='paper', under which "
-           "balls\npass through polyhedra much larger than they are.")
+      .def(
+          py::init(&body_of), "shape"_a, "name"_a = "", "mass"_a = 1.0, "inertia"_a = py::none(),
+          "elasticity"_a = 0.7, "friction"_a = 0.7, "rolling_arm"_a = 0.0, "kind"_a = "free",
+          "exact"_a = false,
+          "shape: in the frame B of the body, whose origin is the centre of mass.\n"
+          "mass [kg].\ninertia: (3, 3), about the centre of mass [kg m^2]; None: of a uniform "
+          "solid.\nelasticity, friction: 0 to 1; those of two bodies are multiplied.\n"
+          "rolling_arm: rolling resistance as a length [m].\n"
+          "kind: fixed (never moves), driven (moves as set, with infinite mass) or free.\n"
+          "exact: what touches it is detected as in converged mode, also with detection='paper', under which "
+          "balls\npass through polyhedra much larger than they are.")
       .def_readonly("name", &Body::name)
       .def_readonly("mass", &Body::mass, "[kg]")
       .def_readonly("inertia", &Body::inertia, "(3, 3) [kg m^2].")

@@ -409,13 +409,12 @@ TEST(SeenMesh, SetAnewHasAnotherHash) {
 // What makes a mesh another size is checked as its file is; a trial replays where the file is not.
 TEST(SeenMesh, IsMeasuredAgainWhenSomethingElseSetsItsSize) {
   const TemporaryFolder folder;
-  const std::filesystem::path pin = folder / "pin.obj", ball = folder / "ball.obj";
-  std::filesystem::copy_file(kMeshes / "skittle.obj", pin);
+  const std::filesystem::path ball = folder / "ball.obj";
   std::filesystem::copy_file(kMeshes / "ball.obj", ball);
   Scenario seen;
-  set(seen, "skittle.mesh.file=" + pin.string());
+  set(seen, "skittle.mesh.file=" + (kMeshes / "skittle.obj").string());
   set(seen, "ball.mesh.file=" + ball.string());
-  const std::string hash = seen.ball.mesh.sha256;
+  const std::string sha256 = seen.ball.mesh.sha256;
   const auto refusal = [](Scenario scenario, const std::string& assignment) {
     return complaint([&] { set(scenario, assignment); });
   };
@@ -423,10 +422,9 @@ TEST(SeenMesh, IsMeasuredAgainWhenSomethingElseSetsItsSize) {
   EXPECT_THAT(refusal(seen, "ball.mesh.axes='XYZ'"), HasSubstr("axes 'XYZ'"));
   EXPECT_THAT(refusal(seen, "ball.radius=0.4"), HasSubstr("its farthest point is"));
   set(seen, "ball.radius=0.11");
-  EXPECT_EQ(seen.ball.mesh.sha256, hash);
+  EXPECT_EQ(seen.ball.mesh.sha256, sha256);
   std::filesystem::remove(ball);
-  set(seen, "ball.radius=0.12");
-  EXPECT_EQ(seen.ball.mesh.file, ball.string());
+  set(seen, "ball.radius=0.12");  // not refused
 }
 
 TEST(SeenMesh, AGivenHashIsCheckedBeforeAndAfterItsFile) {
