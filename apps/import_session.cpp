@@ -183,7 +183,11 @@ void write_trial(const ImportOptions& options, const WholeTrial& trial) {
                                                               .standard_output = true,
                                                               .inputs = std::move(inputs)}),
                            trial.header);
-  scene::write(recorder, trial.samples, trial.events);
+  try {
+    scene::write(recorder, trial.samples, trial.events);
+  } catch (const std::invalid_argument& error) {  // a number that no device has
+    throw std::runtime_error(fmt::format("{}: {}", options.file, error.what()));
+  }
   check_stop();
   recorder.close();
 }
@@ -196,6 +200,10 @@ bool import_session(const ImportOptions& options) {
       std::ranges::find_if(kFormats, [&](const Format& one) { return one.is(options.file); });
   if (format == kFormats.end()) return false;
   refuse_options_of_throws(options);
+  if (options.explain && options.output) {
+    throw UsageError(fmt::format("--output: {} is a complete trial, which has no columns to write",
+                                 options.file));
+  }
   WholeTrial trial = format->read(options.file);
   if (!options.participant.empty()) trial.header.participant = options.participant;
   if (!options.condition.empty()) trial.header.condition = options.condition;
@@ -204,7 +212,7 @@ bool import_session(const ImportOptions& options) {
   for (const std::string& note : trial.notes) {
     say("headpin import: {}: {}\n", printable(options.file), printable(note));
   }
-  const std::string& written = options.output ? *options.output : options.file;
+  const std::string& written = options.explain ? options.file : *options.output;
   if (options.json) {
     print_json({{"output", written}, {"samples", trial.samples.size()}, {"notes", trial.notes}});
   } else if (written != "-") {

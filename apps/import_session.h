@@ -5,8 +5,8 @@
 /// Imports complete trials that headpin wrote in another format.
 namespace headpin::apps {
 
-/// Makes the trial again: the same samples, in the same order, under the same header, and the events outside
-/// the simulation. Reads what `export` and `experiment export` write: tables, XDF, Motion-BIDS. With --explain,
+/// Makes the trial again: the same samples, in an order of the same effect, under the same header, and the events
+/// outside the simulation. Reads what `export` and `experiment export` write: tables, XDF, Motion-BIDS. With --explain,
 /// says so. With options that say how a recording is read (axes, columns, names), it is read as any other.
 ///
 /// @return  whether the file is such a trial; nothing is written if not

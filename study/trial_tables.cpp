@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <stdexcept>
@@ -68,9 +67,10 @@ class TableCells {
   /// 1 or 0; programs also write True and False.
   bool yes(const char* column) const {
     const std::string* cell = find(column);
-    if (!cell || *cell == "0" || *cell == "0.0" || *cell == "False" || *cell == "FALSE")
-      return false;
-    if (*cell == "1" || *cell == "1.0" || *cell == "True" || *cell == "TRUE") return true;
+    if (!cell || *cell == "False" || *cell == "FALSE") return false;
+    if (*cell == "True" || *cell == "TRUE") return true;
+    const auto value = number_in(table_, *cell);
+    if (value && (*value == 0.0 || *value == 1.0)) return *value == 1.0;
     fail(column, "1 or 0");
   }
 

@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -44,12 +45,28 @@ class Dataset {
     base::remove_left_parts(path.parent_path().string());
     // Overwrites the files of a killed export.
     base::write_text({path.string(), {.overwrite = true, .durable = false}}, text);
+    written_.insert(path);
+  }
+
+  /// Throws if a folder has files that were not written now: those of another person in the same place. A
+  /// file with a dot is that of a file browser.
+  void require_own(const fs::path& folder) const {
+    if (!fs::exists(root_ / folder)) return;
+    for (const auto& entry : fs::recursive_directory_iterator(root_ / folder)) {
+      const bool hidden = entry.path().filename().string().starts_with('.');
+      if (entry.is_directory() || hidden || written_.contains(entry.path())) continue;
+      throw std::runtime_error(fmt::format(
+          "{}: expected only files that this export writes, found that of another export; expected a "
+          "new or empty folder",
+          entry.path().string()));
+    }
   }
 
   const fs::path& root() const { return root_; }
 
  private:
   fs::path root_;
+  std::set<fs::path> written_;
 };
 
 /// The run that this export writes of each subject: "p001" -> "run-01".
@@ -215,6 +232,8 @@ void export_study(const ExportStudyOptions& options) {
     const std::string& subject = subjects[i];
     const Traits traits = write_session(dataset, study, person, subject);
     if (!options.deidentify) copy_trial(dataset, study, person, subject);
+    dataset.require_own("sub-" + subject);
+    dataset.require_own("sourcedata/sub-" + subject);
     gives_away.push_back({{"participant", subject},
                           {"eyes_m", std::round(100.0 * traits.eyes_m) / 100.0},
                           {"reach_m", std::round(100.0 * traits.reach_m) / 100.0}});

@@ -150,7 +150,9 @@ void plan_study(const PlanOptions& options) {
   refuse_other_design(study, options);
   const std::size_t before = study.plan.size();
   try {
-    const std::set<std::string> taken = names_with_data(study.at);
+    // A plan that was lost is made again, with the names that it had.
+    const std::set<std::string> taken =
+        before > 0 ? names_with_data(study.at) : std::set<std::string>();
     if (!options.replace.empty()) study::replace(study.plan, options.replace, taken);
     const auto there = static_cast<int>(study.plan.size() - study::replaced(study.plan).size());
     const int wanted = before == 0 ? study.design.block() : there;

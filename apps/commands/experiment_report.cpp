@@ -83,17 +83,24 @@ study::Table shown(const study::CsvTable& csv, const std::string& name, const st
 /// @param table  tables/participants.csv as `score` would write it now
 std::string why_left_out(const Study& study, const Counted& counted, const std::string& table) {
   const fs::path from = study.at.root / "analysis" / kMadeFrom;
-  if (fs::exists(from) && read_study_file(from) != made_from(table)) {
+  const bool known = fs::exists(from);
+  if (known && read_study_file(from) != made_from(table)) {
     return "The analysis is of other data than the tables above: plan, sessions or answers have changed since. So "
            "Tables 5 and 6 and their pictures are left out; `headpin experiment score` and then `headpin experiment "
            "analyse` write them anew.";
   }
   const std::optional<study::CsvTable> fit = analysed(study, "fit");
   if (!fit) return "";
+  for (const char* column :
+       {"quantity", "value", "virtual"}) {  // a changed script may write others
+    if (!fit->find(column)) return "";
+  }
   for (const study::CsvRow& row : fit->rows) {
     if (fit->cell(row, "quantity") != "participants") continue;
     const std::string number = fit->cell(row, "value"), of = fit->cell(row, "virtual");
-    if (number == fmt::format("{}", counted.people.size()) && of == counted.of) return "";
+    // Of the same table, a changed script may leave out whom it will.
+    const bool of_all = known || number == fmt::format("{}", counted.people.size());
+    if (of_all && of == counted.of) return "";
     return fmt::format(
         "The analysis is of {} participants (virtual: {}), the tables above are of {} (virtual: {}). So Tables "
         "5 and 6 and their pictures are left out; `headpin experiment analyse` writes them anew.",

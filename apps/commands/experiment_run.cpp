@@ -97,6 +97,7 @@ class VirtualStudy {
     for (std::size_t i = next_++; i < waiting_.size() && !failed_; i = next_++) {
       try {
         const NextRun run(study_, waiting_[i]->id, kCommand);
+        if (of_person(runs_of(study_, waiting_[i]->id))) continue;  // begun since this command was
         played_[i] = play_virtual(study_, *waiting_[i], run.path(), [this] {
           check_stop();
           if (failed_) throw std::runtime_error("another session failed");

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "devices/recordings/reading.h"
@@ -228,6 +229,11 @@ class Rows {
     };
     note(unknown_, "are n/a, or have n/a in them");
     note(again_, "are at the time of the one before");
+    if (!frame_.others.empty()) {
+      read_.notes.push_back(fmt::format("{} {} not in the reference frame '{}': left out",
+                                        fmt::join(frame_.others, ", "),
+                                        frame_.others.size() == 1 ? "is" : "are", frame_.name));
+    }
     return std::move(read_);
   }
 
@@ -286,38 +292,78 @@ class Rows {
 
 }  // namespace
 
-BidsFrame bids_frame(std::string_view channels, std::string_view levels, std::string_view where) {
-  const auto points = frames_of_points(channels, where);
-  const std::vector<BidsFrame> described = frames_of_levels(levels);
-  const auto level = [&](const std::string& name) {
-    const auto found = std::ranges::find(described, name, &BidsFrame::name);
-    return found == described.end() ? BidsFrame{.name = name} : *found;
-  };
-  if (points.empty()) {
-    if (described.empty()) return {};
-    for (const BidsFrame& other : described) {
-      if (same_meaning(other, described.front())) continue;
-      throw std::invalid_argument(fmt::format(
-          "{}: ..._channels.json describes the reference frames '{}' and '{}', which differ: "
-          "expected a column reference_frame in ..._channels.tsv that says which one it is",
-          where, described.front().name, other.name));
-    }
-    return described.front();
-  }
-  BidsFrame frame = level(points.front().second);
-  for (const auto& [point, name] : points) {
-    if (name == frame.name || same_meaning(level(name), frame)) continue;
+namespace {
+
+/// The only frame that is described, where no channel names one.
+BidsFrame only_frame(const std::vector<BidsFrame>& described, std::string_view where) {
+  if (described.empty()) return {};
+  for (const BidsFrame& other : described) {
+    if (same_meaning(other, described.front())) continue;
     throw std::invalid_argument(fmt::format(
-        "{}: expected all tracked points in reference frames with the same axes and rotations, "
-        "found {} in '{}' and {} in '{}'",
-        where, points.front().first, frame.name, point, name));
+        "{}: ..._channels.json describes the reference frames '{}' and '{}', which differ: "
+        "expected a column reference_frame in ..._channels.tsv that says which one it is",
+        where, described.front().name, other.name));
+  }
+  return described.front();
+}
+
+}  // namespace
+
+BidsFrame bids_frame(std::string_view channels, std::string_view levels, std::string_view where,
+                     const std::string& axes) {
+  const auto points = frames_of_points(channels, where);
+  const Columns columns = read_columns(channels, where);
+  const bool angles = std::ranges::any_of(
+      columns.points, [](const auto& point) { return !point.second.has_quaternion(); });
+  std::vector<BidsFrame> described = frames_of_levels(levels);
+  for (BidsFrame& frame : described) {
+    if (!axes.empty()) frame.axes = axes;
+    if (angles) continue;
+    frame.rotation_order.clear();  // quaternions have none
+    frame.left_handed.reset();
+  }
+  if (points.empty()) {
+    BidsFrame frame = only_frame(described, where);
+    if (!axes.empty()) frame.axes = axes;
+    return frame;
+  }
+  std::vector<BidsFrame> frames;  // of different meaning, each with the points that are in it
+  std::vector<std::vector<std::string>> points_in;
+  for (const auto& entry : points) {
+    const std::string &point = entry.first, &name = entry.second;
+    const auto level = std::ranges::find(described, name, &BidsFrame::name);
+    const BidsFrame its = level == described.end() ? BidsFrame{.name = name, .axes = axes} : *level;
+    const auto known = std::ranges::find_if(
+        frames, [&](const BidsFrame& one) { return one.name == name || same_meaning(one, its); });
+    if (known == frames.end()) {
+      frames.push_back(its);
+      points_in.push_back({point});
+    } else {
+      points_in[static_cast<std::size_t>(known - frames.begin())].push_back(point);
+    }
+  }
+  const auto largest = std::ranges::max_element(points_in, {}, &std::vector<std::string>::size);
+  const auto most = static_cast<std::size_t>(largest - points_in.begin());
+  BidsFrame frame = frames[most];
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (i == most) continue;
+    if (points_in[i].size() == largest->size()) {
+      throw std::invalid_argument(fmt::format(
+          "{}: expected most tracked points in reference frames with the same axes and rotations, "
+          "found {} in '{}' and {} in '{}'",
+          where, largest->front(), frame.name, points_in[i].front(), frames[i].name));
+    }
+    frame.others.insert(frame.others.end(), points_in[i].begin(), points_in[i].end());
   }
   return frame;
 }
 
 MotionTracks parse_motion_bids(std::string_view motion, std::string_view channels,
                                std::string_view where, const BidsFrame& frame) {
-  const Columns columns = read_columns(channels, where);
+  Columns columns = read_columns(channels, where);
+  std::erase_if(columns.points, [&](const auto& point) {
+    return std::ranges::find(frame.others, point.first) != frame.others.end();
+  });
   Rows rows(motion, columns, where, frame);
   if (!columns.latency && !(frame.rate_hz > 0.0 && frame.rate_hz < 1e6)) {
     throw std::invalid_argument(

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "devices/recordings/motion_files.h"
 
@@ -18,18 +19,22 @@ struct BidsFrame {
       {};  ///< of Euler angles: about the frame's fixed axes, the first first
   /// By which hand angles turn about an axis. Where nothing says it, by the hand of the axes.
   std::optional<bool> left_handed = {};
+  std::vector<std::string> others = {};  ///< tracked points in other frames, which are left out
   double rate_hz = 0.0;  ///< of the samples, where no LATENCY channel has their times
 };
 
-/// The reference frame of the tracked points, with its name, axes, rotation order and rule, as far as
-/// they are said.
+/// The reference frame of most tracked points, with its name, axes, rotation order and rule, as far as
+/// they are said, and the points that are in others.
 ///
 /// @param channels  the ..._channels.tsv; its column reference_frame names a level
 /// @param levels    the ..._channels.json that describes the levels; empty where there is none
 /// @param where     name of the ..._motion.tsv
-/// @throws std::invalid_argument  where positions and orientations of one point, or points, are in
-///                                frames of different meaning, or nothing says which frame it is
-BidsFrame bids_frame(std::string_view channels, std::string_view levels, std::string_view where);
+/// @param axes      that the user says, and that hold for any frame; empty if none
+/// @throws std::invalid_argument  where positions and orientations of one point are in different frames, as
+///                                many points are in one frame as in another of different meaning, or nothing
+///                                says which frame it is
+BidsFrame bids_frame(std::string_view channels, std::string_view levels, std::string_view where,
+                     const std::string& axes = {});
 
 /// The tracked points of a Motion-BIDS recording, in our frame. Samples with n/a in them, and those
 /// at the time of the one before, are left out.

@@ -165,9 +165,9 @@ nlohmann::json json_beside(const std::string& stem, const char* ending) {
 MotionTracks read_motion_bids(const std::string& path, const MotionOptions& options) {
   const std::string stem = path.substr(0, path.size() - kMotionTsv.size());
   const std::string channels = text_of(stem + "_channels.tsv"), levels = stem + "_channels.json";
-  BidsFrame frame = bids_frame(channels, fs::exists(levels) ? text_of(levels) : "", path);
   // What the user says holds before what the file says.
-  if (options.reading.axes) frame.axes = *options.reading.axes;
+  BidsFrame frame = bids_frame(channels, fs::exists(levels) ? text_of(levels) : "", path,
+                               options.reading.axes.value_or(""));
   frame.turning = options.reading.turning.value_or("");
   if (frame.axes.empty()) {
     throw std::invalid_argument(fmt::format(

@@ -244,6 +244,8 @@ TEST_F(StudyExport, AReportOfSomeLeavesOutTheAnalysisOfOthers) {
               HasSubstr(fmt::format("analysis is of {} participants (virtual: yes)", counted)));
   EXPECT_THAT(people, testing::Not(HasSubstr("participants are virtual")));
   EXPECT_THAT(people, testing::Not(HasSubstr("p001 (virtual)")));
+  std::ofstream(folder_ / "study/analysis/fit.csv") << "mine,other\n1,2\n";  // by a changed script
+  EXPECT_THAT(page("--only virtual"), HasSubstr("4321"));
   analysed(counted + 1);  // somebody is no longer counted
   EXPECT_THAT(page(""), testing::Not(HasSubstr("4321")));
 }

@@ -97,6 +97,15 @@ TEST_F(Experiment, ASessionsFolderThatCannotBeReadIsAnError) {
   expect_refusal("experiment status a", 1, "a/sessions/p001");
 }
 
+TEST_F(Experiment, APlanThatWasLostIsMadeAgainForTheSessionsThatAreThere) {
+  ASSERT_EQ(headpin("experiment plan -o study").code, 0);
+  const std::string plan = slurp(folder_ / "study/plan.csv");
+  fs::create_directories(folder_ / "study/sessions/p001");
+  fs::remove(folder_ / "study/plan.csv");
+  ASSERT_EQ(headpin("experiment plan -o study").code, 0);
+  EXPECT_EQ(slurp(folder_ / "study/plan.csv"), plan);
+}
+
 TEST_F(Experiment, TheSameSeedPlansTheSameBytes) {
   ASSERT_EQ(headpin("experiment plan -o a --seed 7 --people 40").code, 0);
   ASSERT_EQ(headpin("experiment plan -o b --seed 7").code, 0);

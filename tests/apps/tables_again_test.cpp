@@ -60,8 +60,8 @@ TEST_F(TablesAgain, MayHaveFewerColumnsInAnotherOrder) {
     few.push_back(out + '\r');
   }
   put("trackers.csv", few);
-  put("buttons.csv", {"trigger,device_time_s,left_thumb,right_thumb", "True,1.2,False,False",
-                      "False,3.94822,False,False"});
+  put("buttons.csv",
+      {"trigger;device_time_s;left_thumb;right_thumb", "True;1,2;False;0,0", "0,0;3,94822;False;"});
   fs::remove(folder_ / "tables/events.csv");
   fs::remove(folder_ / "tables/trial.json");
   ASSERT_EQ(headpin("import tables -o again.lcmlog").code, 0);
@@ -118,6 +118,7 @@ TEST_F(TablesAgain, SayWhereTheyAreWrong) {
   put("trackers.csv", right);
   expect_refusal("import tables -o OUT.lcmlog --heading keep", 2,
                  "--heading: tables is a complete trial");
+  expect_refusal("import tables --explain -o OUT.toml", 2, "--output: tables is a complete trial");
   put("buttons.csv", {"device_time_s,trigger", "1.2,pressed"});
   expect_refusal("import tables -o OUT.lcmlog", 1,
                  "buttons.csv:2: column trigger: expected 1 or 0");
