@@ -74,7 +74,6 @@ std::uint64_t made_of(const World& world) {
       w.add(x);
     }
     w.add(body.exact);
-    w.add(body.table != nullptr);
     w.add(static_cast<std::uint32_t>(body.areas.size()));
     for (const FrictionArea& area : body.areas) {
       for (const double x :

@@ -132,8 +132,7 @@ void take_meshes(Scenario& scenario, const ScenarioText& text, const Scenario& b
         {"hand", &scenario.hand.mesh, &before.hand.mesh, kReachOfHand}}) {
     const std::string key = fmt::format("{}.mesh", object);
     const bool named = text.has(key + ".file"), hashed = text.has(key + ".sha256");
-    const bool measured =
-        !text.whole && is_measured_anew(text, object) && std::filesystem::exists(mesh->file);
+    const bool measured = !text.whole && is_measured_anew(text, object) && is_still_there(*mesh);
     if (mesh->file.empty()) {
       if (named && (text.whole || !hashed)) mesh->sha256.clear();  // it belongs to no file
       continue;

@@ -154,7 +154,8 @@ class Checker {
                                    profile[i].x(), profile[i - 1].x()));
       }
     }
-    if (std::ranges::none_of(profile, [](const Vec2& p) { return p.y() > kNone; })) {
+    if (s_.skittle.weighed == Weighed::profile &&
+        std::ranges::none_of(profile, [](const Vec2& p) { return p.y() > kNone; })) {
       refuse("skittle.profile", "must have a radius above 0, found 0 for all points");
     }
     if (std::abs(profile.front().x()) > kSame) {

@@ -49,7 +49,7 @@ MeshData data_of(const MeshFile& mesh) {
   MeshFile file = mesh;
   try {
     return mesh_of(bytes_of(file), file.file, measure_of(file));
-  } catch (const std::runtime_error& e) {
+  } catch (const std::exception& e) {
     throw std::runtime_error(fmt::format(
         "{}; the program looks for a mesh at its recorded path and next to the trial", e.what()));
   }
@@ -118,6 +118,10 @@ void take_seen(MeshFile& mesh, const fs::path& folder, const Reach& reach) {
   }
 }
 
+bool is_still_there(const MeshFile& mesh) {
+  return !mesh.file.empty() && bytes_if_there(mesh).has_value();
+}
+
 std::vector<std::string> not_drawn(const Scenario& scenario) {
   std::vector<std::string> told;
   for (const auto& [key, mesh] : {std::pair{"room.mesh", &scenario.room.mesh},
@@ -148,10 +152,11 @@ std::vector<std::string> not_convex(const Scenario& scenario) {
     if (!bytes) continue;
     const auto uses = static_cast<std::size_t>(std::ranges::count_if(
         pieces, [&](const SkittlePart* piece) { return piece->corners == first.corners; }));
+    const std::size_t of_one = pieces.size() / uses;
+    if (of_one * uses != pieces.size()) continue;  // the second use is cut in another way
     const double volume = enclosed_volume(*bytes, mesh.file, measure_of(mesh));
     const double added =
         std::max(0.0, volume_of_pieces(pieces) / (static_cast<double>(uses) * volume) - 1.0);
-    const std::size_t of_one = pieces.size() / uses;
     constexpr double kRounding = 1e-4;  // of coordinates that a file gives with four digits
     if (of_one == 1 && added < kRounding) continue;
     told.push_back(

@@ -31,6 +31,9 @@ inline constexpr Reach kReachOfHand{0.05, 1.5}, kReachOfRoom{0.5, 1e3};
 ///                                for what is of no area or reaches elsewhere
 void take_seen(MeshFile& mesh, const std::filesystem::path& folder, const Reach& reach);
 
+/// Whether the file of a mesh can be read and has its hash.
+bool is_still_there(const MeshFile& mesh);
+
 /// The parts of the scenario's mesh files that are not drawn (textures, alpha), one sentence per
 /// file.
 ///

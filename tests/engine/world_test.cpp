@@ -353,6 +353,60 @@ TEST(SetResponse, OfCoulombsFunctionsGivesCoulombsBitsUnderItsOwnName) {
   EXPECT_EQ(state_hash(restore(given.world, saved)), state_hash(given.world));
 }
 
+/// The first impulse on the floor of a tilted rod that falls from rest, of a world that is turned by `turn`, turned
+/// back.
+Vec3 landing(int rules, const Quat& turn) {
+  World world = make_world(
+      {.gravity_W = turn * Vec3(0.0, 0.0, -9.81), .response = "coulomb", .rules = rules});
+  add_body(world,
+           {.name = "floor",
+            .shape = make_compound({{HalfSpace{}, {}}}),
+            .material = {0.7, 0.5},
+            .kind = Kind::fixed},
+           {.X_WB = {turn, Vec3::Zero()}});
+  Body rod{.name = "rod",
+           .shape = make_compound({{Cylinder{0.03, 0.2}, {}}}),
+           .mass = 1.5,
+           .material = {0.7, 0.3}};
+  rod.inertia = 1.5 * Vec3(0.0137, 0.0137, 0.00045).asDiagonal();
+  const BodyId falling = add_body(
+      world, rod, {.X_WB = {turn * rotation({0.0, 0.6, 0.0}), turn * Vec3(0.0, 0.0, 0.5)}});
+  while (world.events.empty() && world.tick < 240) step(world);
+  if (world.events.empty()) return Vec3::Zero();
+  const ContactEvent& first = world.events.front();
+  return turn.inverse() * Vec3((first.a == falling ? 1.0 : -1.0) * first.impulse_W);
+}
+
+// A rod that lands off-centre begins to slip as it is struck; since rules 8 friction opposes that.
+TEST(Coulomb, StrikesABodyThatFallsFromRestAlikeInEveryFrame) {
+  const Quat turned = rotation({0.5, 0.0, 0.0}), other = rotation({1.2, 0.4, 0.8});
+  const Vec3 F = landing(8, Quat::Identity());
+  ASSERT_GT(F.z(), 0.1);
+  EXPECT_NEAR(F.head<2>().norm() / F.z(), 0.15, 1e-6);  // 0.5 times 0.3
+  EXPECT_LT((landing(8, turned) - F).norm(), 1e-6 * F.norm());
+  EXPECT_LT((landing(8, other) - F).norm(), 1e-6 * F.norm());
+  EXPECT_LT(landing(7, Quat::Identity()).head<2>().norm(), 1e-9);
+}
+
+TEST(TakeOver, IsOfAWorldWithTheSameNumberOfBodies) {
+  World one = make_world({}), two = make_world({});
+  add_body(one, ball_body({}));
+  EXPECT_EQ(refusal([&] { take_over(two, one); }),
+            "take_over: expected a world with 0 bodies, found 1");
+}
+
+TEST(SetFriction, TakesNoTableWithoutColumns) {
+  World world = make_world({});
+  const BodyId lane = add_body(
+      world, {.name = "lane", .shape = make_compound({{HalfSpace{}, {}}}), .kind = Kind::fixed});
+  const auto said = [&](const FrictionTable& table) {
+    return refusal(
+        [&] { set_friction(world, lane, std::make_shared<const FrictionTable>(table)); });
+  };
+  EXPECT_THAT(said({.columns = 0}), HasSubstr("columns of the table of friction"));
+  EXPECT_THAT(said({.low_x = kNan}), HasSubstr("begin of the table of friction"));
+}
+
 TEST(Statistics, CountWhatHappened) {
   Bowling b = bowling({});
   Statistics sum;
