@@ -403,8 +403,10 @@ TEST(SetFriction, TakesNoTableWithoutColumns) {
     return refusal(
         [&] { set_friction(world, lane, std::make_shared<const FrictionTable>(table)); });
   };
-  EXPECT_THAT(said({.columns = 0}), HasSubstr("columns of the table of friction"));
-  EXPECT_THAT(said({.low_x = kNan}), HasSubstr("begin of the table of friction"));
+  EXPECT_THAT(said({.columns = 0, .edges = {}, .friction = {}}),
+              HasSubstr("columns of the table of friction"));
+  EXPECT_THAT(said({.low_x = kNan, .edges = {}, .friction = {}}),
+              HasSubstr("begin of the table of friction"));
 }
 
 TEST(Statistics, CountWhatHappened) {
