@@ -73,7 +73,8 @@ std::vector<std::int64_t> frames_shown(const scene::Recorded& recorded, const Fr
   });
   if (frames.empty() && last >= 0) {
     throw UsageError(
-        fmt::format("--frames {}: expected recorded frames, from {} to {}", asked, first, last));
+        fmt::format("--frames {}: expected recorded frames, from {} to {}, or their times", asked,
+                    first, last));
   }
   return frames;
 }
