@@ -3,6 +3,9 @@
 #include <initializer_list>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "apps/command.h"
 #include "scene/looks/looks.h"
 
 namespace headpin::apps {
@@ -64,7 +67,11 @@ FrameOutputs::FrameOutputs(const FramesOptions& options, const scene::Stage& sta
   if (heard) track_.emplace(*heard, sound_ ? &*sound_ : nullptr);  // all files are open by now
   if (video) {
     const int sound = track_ ? track_->descriptor() : -1;
-    sinks_.push_back(&video_.emplace(std::move(*video), optics, timing, sound));
+    try {
+      sinks_.push_back(&video_.emplace(std::move(*video), optics, timing, sound));
+    } catch (const render::CopyTooLarge& error) {
+      throw UsageError(fmt::format("{}; --no-mp4 leaves it out", error.what()));
+    }
   }
   if (raw) sinks_.push_back(&y4m_.emplace(std::move(*raw), optics, timing));
 }

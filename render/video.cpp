@@ -57,13 +57,13 @@ CopySize size_of_copy(int width, int height, double pixel_aspect) {
 
 constexpr long kLargestOfH264 = 16384;  // the limit of the H.264 encoder
 
-/// @throws std::invalid_argument  when the copy would be larger than its encoder takes
+/// @throws CopyTooLarge  naming it
 void require_size_of_copy(const CopySize& copy, const std::string& path) {
   if (copy.width <= kLargestOfH264 && copy.height <= kLargestOfH264) return;
-  throw std::invalid_argument("video: the copy " + path + ", which has square pixels, would have " +
-                              std::to_string(copy.width) + "x" + std::to_string(copy.height) +
-                              " pixels, expected at most " + std::to_string(kLargestOfH264) +
-                              " on each side; --no-mp4 leaves it out");
+  throw CopyTooLarge("video: the copy " + path + ", which has square pixels, would have " +
+                     std::to_string(copy.width) + "x" + std::to_string(copy.height) +
+                     " pixels, expected at most " + std::to_string(kLargestOfH264) +
+                     " on each side");
 }
 
 constexpr int kSoundInput = 3;  // the descriptor of the sound in ffmpeg

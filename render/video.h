@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -26,6 +27,11 @@ struct VideoFiles {
 VideoFiles open_video(const std::filesystem::path& path, base::OutputFile::Options how = {},
                       bool copy = true);
 
+/// The copy with square pixels would be larger than its encoder takes; the lossless video would not.
+struct CopyTooLarge : std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
+
 /// Writes pictures as a video, through ffmpeg.
 ///
 /// The .mkv file is lossless (H.264 in RGB; pixel aspect and stereo mode are in the container). The
@@ -39,6 +45,7 @@ class VideoWriter {
   /// @param pixel_aspect  width of a pixel over its height
   /// @param sound         descriptor of a WAV file, whole and as long as the video; -1 for none. It is
   ///                      read from its start while pictures are added
+  /// @throws CopyTooLarge           when the copy would be larger than its encoder takes
   /// @throws std::invalid_argument  for an impossible size or frame rate
   /// @throws std::runtime_error     when ffmpeg cannot be run
   VideoWriter(VideoFiles files, int width, int height, std::int64_t fps, double pixel_aspect,
