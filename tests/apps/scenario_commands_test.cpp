@@ -246,7 +246,8 @@ TEST_F(ScenarioCommands, CheckTellsWhereMassLies) {
   EXPECT_NEAR(told["inertia_kgm2"][0], across, 1e-6 * across);
   EXPECT_NEAR(told["inertia_kgm2"][1], across, 1e-6 * across);
   EXPECT_NEAR(told["inertia_kgm2"][2], about, 1e-6 * about);
-  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(told["ball_inertia_kgm2"][axis], 0.024, 1e-9);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    EXPECT_NEAR(told["ball_inertia_kgm2"][axis], 0.024, 1e-9);
   EXPECT_THAT(
       headpin("scenario check box.toml").out,
       HasSubstr("centre of mass 0.1500 m up, moments of inertia 0.00833, 0.00833, 0.00167 kg m2 "
