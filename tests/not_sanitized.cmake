@@ -49,7 +49,9 @@ set(HEADPIN_NOT_SANITIZED
   ParticipantTest.TheSameSeedGivesTheSameBytesWhateverTheCompiler
   Picture.OfABallIsWhereItsProjectionIsInBothEyes
   Picture.OfABallTellsWhereItIsFrom1To5Metres
+  Picture.OfSmallThingsFarApartIsDrawnAsFineAsOpenGlCan
   Pins.ArePocketedAtBoardSeventeenAndAHalf
+  PlotFiles.LabelsOfASessionDoNotLieOverEachOther
   Polyhedra.MeetOrDoNotWhateverTheMethod
   PolytopeTest.EndsWithTheLeastWayOut
   Power.GrowsWithPeopleAndIsChanceWithoutAnEffect
@@ -60,11 +62,14 @@ set(HEADPIN_NOT_SANITIZED
   SavedSession.GoesOnToTheEnd
   SavedWorld.GoesOnToTheBitFromAnyOf500TicksOfACrowd
   SavedWorld.GoesOnToTheBitFromAnyOf500TicksOfASession
+  ScenarioCommands.ADrawingOfAVeryTallOrWideFieldOfViewIsOfASizeThatCanBeDrawn
   Shadows.FallWhereTheBallIsBetweenFloorAndLightAnywhereInTheRoom
   SharedStart.GivesEachRowWhatItComesToAlone
   StudyAnswers.ASessionThatIsNotWhatThePlanHasDoesNotCount
   StudyAnswers.AreScoredBesideWhatTheSessionsCameTo
   StudyAnswers.PowerIsThatOfTheLikelihoodRatiosOwnDistribution
+  StudyExport.AReportLeavesOutTheAnalysisOfOlderAnswers
+  StudyExport.AnUnfinishedExportGoesOnOnlyWithTheSameChoice
   StudyUnderStress.KilledAnywhereItEndsWithTheSameBytes
   SweepCommands.StoppedOrKilledAnywhereItEndsWithTheSameBytes
   SweepCommands.TheScriptsForSlurmRunEveryPart
