@@ -12,7 +12,8 @@
 
 namespace headpin::apps {
 
-NextRun::NextRun(const Study& study, const std::string& id, const std::string& command)
+NextRun::NextRun(const Study& study, const std::string& id, const std::string& command,
+                 bool is_virtual)
     : folder_(study.at.sessions(id)) {
   std::filesystem::create_directories(folder_);
   lock_.emplace(folder_, "playing the session of " + id);
@@ -22,6 +23,10 @@ NextRun::NextRun(const Study& study, const std::string& id, const std::string& c
     throw PlayedAlready(
         fmt::format("{}: {} has played already ({:.1f} s); a session is played only once",
                     done->path.string(), id, done->seconds));
+  }
+  if (const Run* const persons = is_virtual ? of_person(runs) : nullptr) {
+    throw PersonsSession(
+        fmt::format("{} is left out: {} is a person's", id, persons->path.string()));
   }
   int last = 0;
   for (const Run& run : runs) {

@@ -14,16 +14,23 @@ struct PlayedAlready : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A person has begun the session that a virtual participant was to play.
+struct PersonsSession : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// A participant's folder of sessions, locked during the lifetime of this object, and the name of
 /// the next run.
 class NextRun {
  public:
   /// Says on standard error which recordings are kept.
   ///
-  /// @param command  that says it
+  /// @param command     that says it
+  /// @param is_virtual  a virtual participant is to play
   /// @throws base::Busy         when another one plays this participant's session
   /// @throws PlayedAlready
-  NextRun(const Study& study, const std::string& id, const std::string& command);
+  /// @throws PersonsSession     for a virtual participant where a person's session was cut off
+  NextRun(const Study& study, const std::string& id, const std::string& command, bool is_virtual);
   const std::string& path() const { return path_; }
 
  private:

@@ -62,7 +62,8 @@ inline Patch patch(const Cylinder& s, const Vec3& n) {
   return out;
 }
 
-/// Sine of the angle to a cone's axis below which a normal has no side: of a cone as flat as a dish, it meets the tip.
+/// Sine of the angle between a normal and the axis of a cone below which a very flat cone is met at its tip, and
+/// not along a line of its side.
 inline constexpr double kAlong = 1e-9;
 
 inline Patch patch(const Cone& s, const Vec3& n) {

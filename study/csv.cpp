@@ -57,12 +57,6 @@ char separator_of(std::string_view text) {
   return kSeparators[static_cast<std::size_t>(std::ranges::max_element(counts) - counts.begin())];
 }
 
-std::string trimmed(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  if (first == std::string::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
 /// Takes rows from a text, one after the other.
 class RowReader {
  public:
@@ -139,6 +133,13 @@ std::size_t CsvTable::require(std::string_view column) const {
   if (const auto found = find(column)) return *found;
   throw std::invalid_argument(fmt::format("{}:1: expected a column '{}', found {}", where, column,
                                           fmt::join(columns, ", ")));
+}
+
+std::string trimmed(const std::string& text) {
+  constexpr const char* kBlanks = " \t\r";
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
 CsvTable parse_csv(std::string_view text, const std::string& where) {

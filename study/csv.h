@@ -46,6 +46,9 @@ std::optional<double> number_in(const CsvTable& table, const std::string& cell);
 /// Parses a whole text as an integer.
 std::optional<int> whole_in(std::string_view text);
 
+/// A text without blanks at its ends.
+std::string trimmed(const std::string& text);
+
 /// One line as in RFC 4180, with its line end.
 std::string csv_line(const std::vector<std::string>& cells);
 

@@ -66,16 +66,21 @@ std::string throw_picture(const scene::ThrowRow& one, bool red) {
                      one.counted ? fmt::format("{}", *one.counted) : "-");
 }
 
-/// A path as a relative address (RFC 3986): what is none of its plain characters as %XX.
-std::string address_of(const std::string& path) {
-  constexpr std::string_view kPlain =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~/";
-  std::string address;
-  for (const char c : path) {
-    const bool plain = kPlain.find(c) != std::string_view::npos;
-    address += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+/// A text in which the characters that are not plain are %XX (RFC 3986).
+std::string percent_encoded(std::string_view text, bool (*plain)(char)) {
+  std::string out;
+  for (const char c : text) {
+    out += plain(c) ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
   }
-  return address;
+  return out;
+}
+
+/// A path as a relative address.
+std::string address_of(const std::string& path) {
+  return percent_encoded(path, [](char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ||
+           std::string_view("-._~/").find(c) != std::string_view::npos;
+  });
 }
 
 std::string throws_of(const Person& person, const ReportParts& parts) {
@@ -126,12 +131,9 @@ std::string design_of(const Design& design) {
 
 /// A picture as a separate document, because R uses the same glyph names in every picture.
 std::string picture_of(const std::string& svg) {
-  std::string data;
-  for (const char c : svg) {
-    const bool plain =
-        c >= ' ' && c <= '~' && std::string_view("\"#%<>&").find(c) == std::string::npos;
-    data += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
-  }
+  const std::string data = percent_encoded(svg, [](char c) {
+    return c >= ' ' && c <= '~' && std::string_view("\"#%<>&").find(c) == std::string_view::npos;
+  });
   return fmt::format("<img alt=\"\" src=\"data:image/svg+xml,{}\">", data);
 }
 

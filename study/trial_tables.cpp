@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "devices/base/sources.h"
+#include "scene/record/tables.h"
 #include "study/csv.h"
 
 namespace headpin::study {
@@ -146,17 +147,6 @@ void take_buttons(const CsvTable& table, TablesTrial& trial) {
   }
 }
 
-/// "a;b" as two names.
-std::vector<std::string> names_in(std::string_view text) {
-  std::vector<std::string> names;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find(';'), text.size());
-    names.emplace_back(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return names;
-}
-
 void take_events(const CsvTable& table, TablesTrial& trial) {
   TableCells row(table);
   for (const CsvRow& cells : table.rows) {
@@ -169,7 +159,7 @@ void take_events(const CsvTable& table, TablesTrial& trial) {
     scene::Event event;
     event.time = row.time("time_s");
     event.kind = row.text("kind");
-    event.bodies = names_in(text("bodies"));
+    event.bodies = scene::bodies_in(text("bodies"));
     event.p_W = {row.number("x_m", 0.0), row.number("y_m", 0.0), row.number("z_m", 0.0)};
     event.j_W = {row.number("impulse_x_ns", 0.0), row.number("impulse_y_ns", 0.0),
                  row.number("impulse_z_ns", 0.0)};

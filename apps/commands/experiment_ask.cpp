@@ -39,14 +39,6 @@ void print_question(const study::Item& item, std::size_t number, std::size_t all
   for (const study::Choice& choice : item.choices) fmt::print("   {}\n", choice.text.at(language));
 }
 
-/// A typed line without blanks at its ends.
-std::string without_blanks(const std::string& line) {
-  constexpr const char* kBlanks = " \t\r";
-  const std::size_t begin = line.find_first_not_of(kBlanks);
-  if (begin == std::string::npos) return "";
-  return line.substr(begin, line.find_last_not_of(kBlanks) - begin + 1);
-}
-
 /// Repeats a question until there is a valid answer; nothing at the end of the input.
 std::optional<std::string> ask_one(const study::Item& item) {
   for (;;) {
@@ -54,7 +46,7 @@ std::optional<std::string> ask_one(const study::Item& item) {
     std::fflush(stdout);
     std::string line;
     if (!std::getline(std::cin, line)) return std::nullopt;
-    if (const auto answer = study::answer_of(item, without_blanks(line))) return answer;
+    if (const auto answer = study::answer_of(item, study::trimmed(line))) return answer;
     fmt::print("   expected {}, found '{}'\n", study::allowed(item), study::shown(line));
   }
 }

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -69,45 +68,26 @@ class Dataset {
   std::set<fs::path> written_;
 };
 
-/// The run that this export writes of each subject: "p001" -> "run-01".
-using RunsOfSubjects = std::map<std::string, std::string>;
-
-/// Throws unless what is below the folder of a subject is of the subject's run.
-void require_run(const fs::path& folder, const std::string& run) {
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    if (entry.is_directory() || name.starts_with('.') || name.find(run) != std::string::npos) {
-      continue;  // a file with a dot is that of a file browser
-    }
-    throw std::runtime_error(
-        fmt::format("{}: expected files of {} alone, found that of another export; expected a new "
-                    "or empty folder",
-                    entry.path().string(), run));
-  }
-}
-
 /// Throws if the folder, of the dataset or of its trials, holds a subject that this export does not
 /// write.
-void require_subjects(const fs::path& folder, const RunsOfSubjects& runs) {
+void require_subjects(const fs::path& folder, const std::vector<std::string>& subjects) {
   if (!fs::exists(folder)) return;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with("sub-")) continue;
-    const auto found = runs.find(name.substr(4));
-    if (found == runs.end()) {
-      throw std::runtime_error(
-          fmt::format("{}: expected only subjects that this export writes, found that of another "
-                      "export; expected a new or empty folder",
-                      entry.path().string()));
-    }
-    require_run(entry.path(), found->second);
+    if (std::ranges::find(subjects, name.substr(4)) != subjects.end()) continue;
+    throw std::runtime_error(
+        fmt::format("{}: expected only subjects that this export writes, found that of another "
+                    "export; expected a new or empty folder",
+                    entry.path().string()));
   }
 }
 
 /// Throws unless the dataset is new, or an unfinished one of the same study with the same choice of
 /// names or numbers. Its README, which tells the choice, is the first file; its description is the
 /// last one.
-void require_free(const fs::path& root, const std::string& readme, const RunsOfSubjects& runs) {
+void require_free(const fs::path& root, const std::string& readme,
+                  const std::vector<std::string>& subjects) {
   std::error_code none;
   if (fs::exists(root / "dataset_description.json")) {
     throw std::runtime_error(root.string() + ": a dataset exists there; expected a new folder");
@@ -123,8 +103,8 @@ void require_free(const fs::path& root, const std::string& readme, const RunsOfS
                     "another export",
                     root.string()));
   }
-  require_subjects(root, runs);
-  require_subjects(root / "sourcedata", runs);
+  require_subjects(root, subjects);
+  require_subjects(root / "sourcedata", subjects);
 }
 
 /// Properties of the body that the motion data show even without a name.
@@ -216,14 +196,12 @@ void export_study(const ExportStudyOptions& options) {
   const StudyLock lock(root, "exporting to this folder");
   base::remove_left_parts(root.string());
   std::vector<std::string> subjects;
-  RunsOfSubjects runs;
   for (const study::Person& person : people) {
     subjects.push_back(options.deidentify ? fmt::format("{:03}", subjects.size() + 1)
                                           : person.planned.id);
-    runs[subjects.back()] = person.played.run;
   }
   const std::string readme = study::bids_readme(study.design, people, options.deidentify);
-  require_free(root, readme, runs);
+  require_free(root, readme, subjects);
   Dataset dataset(root);
   dataset.write("README", readme);
   nlohmann::ordered_json gives_away = nlohmann::ordered_json::array();

@@ -58,12 +58,7 @@ class VirtualStudy {
     const auto replaced = study::replaced(study.plan);
     for (const study::PlannedParticipant& one : study.plan) {
       if (replaced.contains(one.id)) continue;
-      const std::vector<Run> runs = runs_of(study, one.id);
-      if (counting(runs)) continue;
-      if (const Run* const persons = of_person(runs)) {
-        say("{}: {} is left out: {} is a person's\n", kCommand, one.id, persons->path.string());
-        continue;
-      }
+      if (counting(runs_of(study, one.id))) continue;
       waiting_.push_back(&one);
     }
     played_.resize(waiting_.size());
@@ -96,13 +91,14 @@ class VirtualStudy {
   void work(Progress& progress) {
     for (std::size_t i = next_++; i < waiting_.size() && !failed_; i = next_++) {
       try {
-        const NextRun run(study_, waiting_[i]->id, kCommand);
-        if (of_person(runs_of(study_, waiting_[i]->id))) continue;  // begun since this command was
+        const NextRun run(study_, waiting_[i]->id, kCommand, true);
         played_[i] = play_virtual(study_, *waiting_[i], run.path(), [this] {
           check_stop();
           if (failed_) throw std::runtime_error("another session failed");
         });
       } catch (const PlayedAlready&) {  // by another process, since this one began
+      } catch (const PersonsSession& error) {
+        say("{}: {}\n", kCommand, error.what());
       } catch (const base::Busy& error) {
         const std::lock_guard lock(mutex_);
         busy_ = error.what();
@@ -175,7 +171,7 @@ void run_one(const Study& study, const RunOptions& options) {
         fmt::format("--participant: {} was replaced by {}; expected {} or another name of {}",
                     who.id, by, by, study.at.plan().string()));
   }
-  const NextRun run(study, who.id, kCommand);
+  const NextRun run(study, who.id, kCommand, options.is_virtual);
   if (!options.live->sources.empty()) return run_live(study, who, options, run);
   const auto each_tick = [] { check_stop(); };
   const PlayedSession session = options.is_virtual

@@ -23,6 +23,7 @@ struct Point {
   std::array<std::optional<std::size_t>, 7> column;
   std::array<std::optional<std::size_t>, 3> angle;  ///< about x, y, z
   double unit_m = 1.0, unit_rad = 1.0;
+  std::string frame = {};  ///< name of the reference frame; empty if no channel names one
 
   bool whole() const {
     const auto all = [](auto begin, auto end) {
@@ -54,6 +55,21 @@ double radians_of(std::string_view name, const TextTable& table) {
   table.fail(fmt::format("units of an angle: expected deg or rad, found '{}'", name));
 }
 
+/// Takes the reference frame that a channel of a point names, if it does.
+void take_frame(const TextTable& table, const std::string& name, Point& point) {
+  const std::size_t column = table.column("reference_frame");
+  if (column == table.names().size()) return;
+  const std::string frame(table.text(column));
+  if (frame.empty() || frame == "n/a") return;
+  if (!point.frame.empty() && point.frame != frame) {
+    table.fail(fmt::format(
+        "reference_frame of tracked point {}: expected one for its POS and ORNT channels, found "
+        "'{}' and '{}'",
+        name, point.frame, frame));
+  }
+  point.frame = frame;
+}
+
 Columns read_columns(std::string_view text, std::string_view where) {
   const std::string channels = fmt::format("channels of {}", where);
   TextTable table(text, channels, '\t');
@@ -78,6 +94,7 @@ Columns read_columns(std::string_view text, std::string_view where) {
     if (point == columns.points.end()) {
       point = columns.points.insert(columns.points.end(), {name, {}});
     }
+    take_frame(table, name, point->second);
     const auto place = std::ranges::find(kPlace, component);
     const auto quat = std::ranges::find(kQuat, component);
     if (type == "POS" && place != kPlace.end()) {
@@ -94,34 +111,6 @@ Columns read_columns(std::string_view text, std::string_view where) {
     }
   }
   return columns;
-}
-
-/// The reference frames that the tracked points name: the point's name and its frame's, in the order
-/// of the channels. Points that name none are left out.
-std::vector<std::pair<std::string, std::string>> frames_of_points(std::string_view text,
-                                                                  std::string_view where) {
-  const std::string channels = fmt::format("channels of {}", where);
-  TextTable table(text, channels, '\t');
-  table.read_names();
-  const std::size_t type = table.column("type"), point = table.column("tracked_point"),
-                    frame = table.column("reference_frame"), none = table.names().size();
-  std::vector<std::pair<std::string, std::string>> frames;
-  if (type == none || point == none || frame == none) return frames;
-  while (table.next()) {
-    const std::string name(table.text(point)), its(table.text(frame));
-    if ((table.text(type) != "POS" && table.text(type) != "ORNT") || its.empty() || its == "n/a")
-      continue;
-    const auto known = std::ranges::find(frames, name, &std::pair<std::string, std::string>::first);
-    if (known == frames.end()) {
-      frames.push_back({name, its});
-    } else if (known->second != its) {
-      table.fail(fmt::format(
-          "reference_frame of tracked point {}: expected one for its POS and ORNT channels, found "
-          "'{}' and '{}'",
-          name, known->second, its));
-    }
-  }
-  return frames;
 }
 
 /// A level of reference_frame: what it says of axes and rotations.
@@ -311,7 +300,6 @@ BidsFrame only_frame(const std::vector<BidsFrame>& described, std::string_view w
 
 BidsFrame bids_frame(std::string_view channels, std::string_view levels, std::string_view where,
                      const std::string& axes) {
-  const auto points = frames_of_points(channels, where);
   const Columns columns = read_columns(channels, where);
   const bool angles = std::ranges::any_of(
       columns.points, [](const auto& point) { return !point.second.has_quaternion(); });
@@ -322,15 +310,17 @@ BidsFrame bids_frame(std::string_view channels, std::string_view levels, std::st
     frame.rotation_order.clear();  // quaternions have none
     frame.left_handed.reset();
   }
-  if (points.empty()) {
+  const auto names_frame = [](const auto& point) { return !point.second.frame.empty(); };
+  if (std::ranges::none_of(columns.points, names_frame)) {
     BidsFrame frame = only_frame(described, where);
     if (!axes.empty()) frame.axes = axes;
     return frame;
   }
   std::vector<BidsFrame> frames;  // of different meaning, each with the points that are in it
   std::vector<std::vector<std::string>> points_in;
-  for (const auto& entry : points) {
-    const std::string &point = entry.first, &name = entry.second;
+  for (const auto& entry : columns.points) {
+    const std::string &point = entry.first, &name = entry.second.frame;
+    if (name.empty()) continue;
     const auto level = std::ranges::find(described, name, &BidsFrame::name);
     const BidsFrame its = level == described.end() ? BidsFrame{.name = name, .axes = axes} : *level;
     const auto known = std::ranges::find_if(

@@ -308,6 +308,16 @@ TableWriter::TableWriter(std::ostream& out, std::string_view table, const TrialH
   out << '\n';
 }
 
+std::vector<std::string> bodies_in(std::string_view cell) {
+  std::vector<std::string> bodies;
+  while (!cell.empty()) {
+    const std::size_t end = std::min(cell.find(';'), cell.size());
+    bodies.emplace_back(cell.substr(0, end));
+    cell.remove_prefix(std::min(end + 1, cell.size()));
+  }
+  return bodies;
+}
+
 void write_dictionary(std::ostream& out) {
   out << "table,column,kind,unit,meaning\n";
   for (const TableColumn& c : table_columns()) {

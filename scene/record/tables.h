@@ -79,6 +79,9 @@ class TableWriter {
   TableRows table_;
 };
 
+/// The names in a cell of the column bodies.
+std::vector<std::string> bodies_in(std::string_view cell);
+
 /// Describes every column, as CSV: table, column, kind, unit, meaning.
 void write_dictionary(std::ostream& out);
 

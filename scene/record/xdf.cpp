@@ -12,6 +12,7 @@
 
 #include "devices/base/sources.h"
 #include "devices/log/sample_messages.h"
+#include "scene/record/tables.h"
 
 namespace headpin::scene {
 namespace {
@@ -282,17 +283,6 @@ std::optional<std::int32_t> station_called(std::string_view name) {
   return is_called(station) ? std::optional(station) : std::nullopt;
 }
 
-/// "a;b" as two names.
-std::vector<std::string> bodies_of(std::string_view text) {
-  std::vector<std::string> bodies;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find(';'), text.size());
-    bodies.emplace_back(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return bodies;
-}
-
 class TrialFromXdf {
  public:
   TrialFromXdf(const devices::XdfFile& file, std::string_view where) : file_(file), where_(where) {}
@@ -369,7 +359,7 @@ class TrialFromXdf {
       Event event;
       event.time = kind.time();
       event.kind = kind.word("kind");
-      event.bodies = bodies_of(body.word("bodies"));
+      event.bodies = bodies_in(body.word("bodies"));
       event.detail = Detail::read(event.kind, detail.word("detail"));
       event.p_W = {value.number("x_m"), value.number("y_m"), value.number("z_m")};
       event.j_W = {value.number("impulse_x_ns"), value.number("impulse_y_ns"),

@@ -164,7 +164,7 @@ TEST_F(StudyExport, AnUnfinishedExportGoesOnOnlyWithTheSameChoice) {
     fs::remove(folder_ / name);
   };
   refused_with("numbered/sub-001/motion/sub-001_task-bowling_tracksys-head_run-02_motion.tsv",
-               "run-02_motion.tsv: expected files of run-01 alone");
+               "run-02_motion.tsv: expected only files that this export writes");
   refused_with("numbered/sub-p001/x", "numbered/sub-p001: expected only subjects that this export");
   fs::remove(folder_ / "numbered/sub-p001");
   refused_with("numbered/sourcedata/sub-p002/run-01.lcmlog", "sourcedata/sub-p002: expected only");
