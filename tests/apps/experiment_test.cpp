@@ -325,6 +325,9 @@ TEST_F(Experiment, ALiveSessionIsRecordedUnderTheParticipantsName) {
   EXPECT_EQ(info["participant"], "p001");
   EXPECT_EQ(info["complete"], true);
   EXPECT_THAT(headpin("experiment status a").out, HasSubstr("without both versions"));
+  const Result over = headpin("experiment run a --participant p001 --virtual");
+  EXPECT_EQ(over.code, 1);
+  EXPECT_THAT(over.err, HasSubstr("p001 is left out: a/sessions/p001/run-01.lcmlog is a person's"));
   // Two at once: the second is told so, and another participant's session is free.
   const std::string command =
       "(cd '" + folder_.string() +
