@@ -62,7 +62,7 @@ Place place_of(const Study& study, const study::PlannedParticipant& who) {
                            red ? "red" : "blue", red ? "blue" : "red");
   // The lock of the participant's folder is kept as long as the place.
   place.open = [&study, id, run = std::make_shared<std::optional<NextRun>>()] {
-    run->emplace(study, id, kCommand);
+    run->emplace(study, id, kCommand, false);
     return std::make_unique<IncomingLog>((*run)->path());
   };
   place.answer = [&study, id](const nlohmann::json& given) {
