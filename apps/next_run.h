@@ -29,7 +29,7 @@ class NextRun {
   /// @param is_virtual  a virtual participant is to play
   /// @throws base::Busy         when another one plays this participant's session
   /// @throws PlayedAlready
-  /// @throws PersonsSession     for a virtual participant where a person's session was cut off
+  /// @throws PersonsSession     for a virtual participant where a person plays or was cut off
   NextRun(const Study& study, const std::string& id, const std::string& command, bool is_virtual);
   const std::string& path() const { return path_; }
 
