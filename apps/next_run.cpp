@@ -12,24 +12,18 @@
 
 namespace headpin::apps {
 
-namespace {
-
-/// @throws PersonsSession  where a person has begun one of the runs
-void leave_to_person(const std::vector<Run>& runs, const std::string& id) {
+void leave_to_person(const Study& study, const std::string& id) {
+  const std::vector<Run> runs = runs_of(study, id);
   if (const Run* const persons = of_person(runs)) {
     throw PersonsSession(
         fmt::format("{} is left out: {} is a person's", id, persons->path.string()));
   }
 }
 
-}  // namespace
-
 NextRun::NextRun(const Study& study, const std::string& id, const std::string& command,
                  bool is_virtual)
     : folder_(study.at.sessions(id)) {
   std::filesystem::create_directories(folder_);
-  // A person who is playing now is no reason to come again later.
-  if (is_virtual) leave_to_person(runs_of(study, id), id);
   lock_.emplace(folder_, "playing the session of " + id);
   base::remove_left_parts(folder_.string());
   const std::vector<Run> runs = runs_of(study, id);
@@ -38,7 +32,7 @@ NextRun::NextRun(const Study& study, const std::string& id, const std::string& c
         fmt::format("{}: {} has played already ({:.1f} s); a session is played only once",
                     done->path.string(), id, done->seconds));
   }
-  if (is_virtual) leave_to_person(runs, id);
+  if (is_virtual) leave_to_person(study, id);
   int last = 0;
   for (const Run& run : runs) {
     last = std::max(last, study::whole_in(run.name.substr(4)).value_or(0));

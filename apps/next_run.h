@@ -19,6 +19,10 @@ struct PersonsSession : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// For a virtual participant, whether a person plays now or was cut off.
+/// @throws PersonsSession  where a person has begun one of the participant's runs
+void leave_to_person(const Study& study, const std::string& id);
+
 /// A participant's folder of sessions, locked during the lifetime of this object, and the name of
 /// the next run.
 class NextRun {
@@ -29,7 +33,7 @@ class NextRun {
   /// @param is_virtual  a virtual participant is to play
   /// @throws base::Busy         when another one plays this participant's session
   /// @throws PlayedAlready
-  /// @throws PersonsSession     for a virtual participant where a person plays or was cut off
+  /// @throws PersonsSession     for a virtual participant where a person's session was cut off
   NextRun(const Study& study, const std::string& id, const std::string& command, bool is_virtual);
   const std::string& path() const { return path_; }
 

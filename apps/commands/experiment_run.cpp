@@ -91,6 +91,7 @@ class VirtualStudy {
   void work(Progress& progress) {
     for (std::size_t i = next_++; i < waiting_.size() && !failed_; i = next_++) {
       try {
+        leave_to_person(study_, waiting_[i]->id);  // one who plays now locks the session
         const NextRun run(study_, waiting_[i]->id, kCommand, true);
         played_[i] = play_virtual(study_, *waiting_[i], run.path(), [this] {
           check_stop();
