@@ -7,8 +7,8 @@ namespace headpin::engine::detail {
 
 /// Calls f.template operator()<other>(), where `other` is the kind of body B of the touch.
 template <typename F>
-decltype(auto) with_other(const World& world, const Touch& touch, F&& f) {
-  switch (other_of(world, touch)) {
+decltype(auto) with_other(const Touch& touch, F&& f) {
+  switch (other_of(touch)) {
     case Other::still:
       return f.template operator()<Other::still>();
     case Other::driven:
@@ -22,7 +22,6 @@ decltype(auto) with_other(const World& world, const Touch& touch, F&& f) {
 /// impulses of an island.
 template <typename F>
 void each_impulse(const Island& s, F&& f) {
-  const World& world = s.world;
   std::vector<FrictionRows>& friction = s.rows.friction;
   std::size_t at = 0;
   for (const std::uint32_t k : s.each) {
@@ -34,7 +33,7 @@ void each_impulse(const Island& s, F&& f) {
       f(row.impulse, 1.0 / row.mass, [&](double more) {
         more = std::max(more, -row.impulse);
         row.impulse += more;
-        with_other(world, touch, [&]<Other other> { push_by<other>(s.bodies, touch, row, more); });
+        with_other(touch, [&]<Other other> { push_by<other>(s.bodies, touch, row, more); });
       });
     }
     if (at == friction.size() || friction[at].touch != k) continue;
@@ -42,7 +41,7 @@ void each_impulse(const Island& s, F&& f) {
     for (int n = 0; n < 2; ++n) {
       f(rows.impulse[n], rows.yields, [&](double more) {
         rows.impulse[n] += more;
-        with_other(world, touch, [&]<Other other> {
+        with_other(touch, [&]<Other other> {
           push_along<other>(s.bodies, touch, rows, more * Vec2::Unit(n));
         });
       });
@@ -50,15 +49,14 @@ void each_impulse(const Island& s, F&& f) {
     if (rows.twist_mass > 0.0) {
       f(rows.twist, 1.0 / rows.twist_mass, [&](double more) {
         rows.twist += more;
-        with_other(world, touch,
-                   [&]<Other other> { twist_by<other>(s.bodies, touch, rows, more); });
+        with_other(touch, [&]<Other other> { twist_by<other>(s.bodies, touch, rows, more); });
       });
     }
     if (rows.roll_arm == 0.0) continue;
     for (int n = 0; n < 3; ++n) {
       f(rows.roll[n], 1.0 / rows.roll_mass, [&](double more) {
         rows.roll[n] += more;
-        with_other(world, touch,
+        with_other(touch,
                    [&]<Other other> { roll_by<other>(s.bodies, touch, more * Vec3::Unit(n)); });
       });
     }

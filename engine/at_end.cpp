@@ -8,32 +8,35 @@ namespace {
 // solved. A partly carried body moves with a velocity in between, which keeps its energy. A body that
 // slides on a level surface moves with the mean of its level velocities.
 void move_to_end(const World& world, const Flight& flight, const Solved& solved, BodyId i,
-                 Pose& X_WB, Vec3& w_WB) {
+                 State& s) {
   const double left = step_seconds(world) - flight.bodies[i].clock;
   const double falls = 1.0 - solved.carried[i];
-  X_WB.p += left * world.states[i].v_WB;
-  if (falls > 0.0) X_WB.p -= (0.5 * falls * left * left) * world.parameters.gravity_W;
-  X_WB.p -= (0.5 * left) * solved.slowed[i];
-  turn_freely(X_WB.q, w_WB, world.inertias[i], left);
+  s.X_WB.p += left * s.v_WB;
+  if (falls > 0.0) s.X_WB.p -= (0.5 * falls * left * left) * world.parameters.gravity_W;
+  s.X_WB.p -= (0.5 * left) * solved.slowed[i];
+  turn_freely(s.X_WB.q, s.w_WB, world.inertias[i], left);
 }
 
-void drive_to_end(const World& world, BodyId i, Pose& X_WB) {
-  const State& state = world.states[i];
+void drive_to_end(const World& world, State& s) {
   const double dt = step_seconds(world);
-  X_WB.p += dt * state.v_WB;
-  X_WB.q = (rotation(dt * state.w_WB) * X_WB.q).normalized();
+  s.X_WB.p += dt * s.v_WB;
+  s.X_WB.q = (rotation(dt * s.w_WB) * s.X_WB.q).normalized();
 }
 
 }  // namespace
 
-State state_at_end(const World& world, const Flight& flight, const Solved& solved, BodyId i) {
-  State s = world.states[i];
+void to_end(const World& world, const Flight& flight, const Solved& solved, BodyId i, State& s) {
   if (is_mover(world, i)) {
-    move_to_end(world, flight, solved, i, s.X_WB, s.w_WB);
+    move_to_end(world, flight, solved, i, s);
   } else if (world.bodies[i].kind == Kind::driven) {
-    drive_to_end(world, i, s.X_WB);
+    drive_to_end(world, s);
   }
-  return s;
+}
+
+Pose pose_at_end(const World& world, const Flight& flight, const Solved& solved, BodyId i) {
+  State s = world.states[i];
+  to_end(world, flight, solved, i, s);
+  return s.X_WB;
 }
 
 std::span<const ContactPoint> points_at_end(World& world, const Touches& touches,

@@ -6,8 +6,12 @@
 /// Bodies and their contacts at the end of the step. Private to the engine.
 namespace headpin::engine::detail {
 
-/// State of a body at the end of the step, predicted from its present velocity.
-State state_at_end(const World& world, const Flight& flight, const Solved& solved, BodyId i);
+/// Takes a body to the end of the step by its present velocity.
+/// @param s  its state now; gets that at the end
+void to_end(const World& world, const Flight& flight, const Solved& solved, BodyId i, State& s);
+
+/// Pose of a body at the end of the step, predicted from its present velocity.
+Pose pose_at_end(const World& world, const Flight& flight, const Solved& solved, BodyId i);
 
 /// Contact points of a touch with its bodies at their poses at the end of the step. Normals point
 /// away from A of the touch. The points are valid until the next call. The kept normals in

@@ -121,7 +121,7 @@ int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
 namespace {
 
 /// Pose of a part. Most parts are not turned and need no product of rotations.
-Pose pose_of(const Pose& X_WB, const Compound& c, std::size_t part) {
+HEADPIN_FLATTEN Pose pose_of(const Pose& X_WB, const Compound& c, std::size_t part) {
   const Pose& X_BG = c.parts[part].X_BG;
   return c.part_turned[part] ? X_WB * X_BG : Pose{X_WB.q, X_WB * X_BG.p};
 }
@@ -135,11 +135,11 @@ struct PairNumbers {
 HEADPIN_FLATTEN void stand_on(Ground ground, const Compound& a, const Pose& X_WA,
                               PairNumbers numbers, QueryCounts& counts) {
   std::vector<ContactPoint>& out = ground.out;
-  const double low = std::min(ground.height(X_WA * a.bounds.a), ground.height(X_WA * a.bounds.b));
-  if (std::isfinite(a.bounding_radius) && low > a.bounds.radius + ground.margin) return;
   const Mat3 R_WA = X_WA.q.toRotationMatrix();
   const Vec3 up_A = R_WA.transpose() * ground.up_W;
   const double level = ground.height(X_WA.p);
+  const double low = level + std::min(up_A.dot(a.bounds.a), up_A.dot(a.bounds.b));
+  if (std::isfinite(a.bounding_radius) && low > a.bounds.radius + ground.margin) return;
   for (std::uint32_t i = 0; i < a.parts.size(); ++i) {
     const Part& part = a.parts[i];
     const double origin = level + up_A.dot(part.X_BG.p);

@@ -402,8 +402,7 @@ bool plan_direct(const Island& s, Direct& d) {
 int solve_directly(const Island& s, Direct& d, double compliance, double residual) {
   d.rows.clear();
   each_touch(s, [&](const Touch& touch, const SolvedTouch& solved, const FrictionRows* f) {
-    with_other(s.world, touch,
-               [&]<Other other> { add_rows_of<other>(s, d, compliance, touch, solved, f); });
+    with_other(touch, [&]<Other other> { add_rows_of<other>(s, d, compliance, touch, solved, f); });
   });
   set_masses(s, d);
   resist(d.rows, 0.0);
@@ -413,7 +412,7 @@ int solve_directly(const Island& s, Direct& d, double compliance, double residua
     if (set_changes(d) <= compliance * residual) {  // an error of v is one of x over the compliance
       const DirectRow* row = d.rows.data();
       each_touch(s, [&](const Touch& touch, const SolvedTouch& solved, FrictionRows* f) {
-        with_other(s.world, touch, [&]<Other other> { apply<other>(s, row, touch, solved, f); });
+        with_other(touch, [&]<Other other> { apply<other>(s, row, touch, solved, f); });
       });
       return k;
     }

@@ -19,7 +19,7 @@ bool may_rest(const World& world, const Solved& solved, BodyId i) {
 
 /// Whether B of a touch is a driven body that moves and touches A.
 bool is_on_the_move(const World& world, const Flight& flight, const Touch& touch, double depth) {
-  if (world.bodies[touch.b].kind != Kind::driven) return false;
+  if (!touch.b_driven) return false;
   if (!sleepers_are_carried(world.parameters)) return false;
   return flight.bodies[touch.b].top_speed > 0.0 && touch.points > 0 && depth >= -kRests;
 }

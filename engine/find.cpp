@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "engine/inlining.h"
 #include "engine/meeting.h"
 #include "engine/stages.h"
 
@@ -11,8 +12,8 @@ constexpr double kWakeDepth = 1e-3;  // overlap that wakes a body at any speed [
 
 /// Adds a candidate, with the normals that the same pair had after the last step, if any.
 /// @param last  the first candidate of the last step that may be the same pair; moves forward
-void add_known(const World& world, std::uint64_t key, BodyId a, BodyId b, std::size_t& last,
-               Touches& touches) {
+HEADPIN_INLINE inline void add_known(const World& world, std::uint64_t key, BodyId a, BodyId b,
+                                     std::size_t& last, Touches& touches) {
   const Memory& m = world.memory;
   while (last < m.candidates.size() && m.candidates[last].key < key) ++last;
   if (last == m.candidates.size() || m.candidates[last].key != key) {
@@ -101,7 +102,7 @@ void recall(const World& world, Touch& touch, std::size_t& last) {
   touch.fresh = last == m.touches.size() || m.touches[last].key != touch.key;
   touch.last = static_cast<std::uint32_t>(last);
   touch.met = !touch.fresh && m.touches[last].met;
-  if (!touch.fresh && world.bodies[touch.b].kind == Kind::driven) {
+  if (!touch.fresh && touch.b_driven) {
     touch.pressed = m.touches[last].struck || was_loaded(m, touch);
   }
   if (!touch.fresh && m.touches[last].friction == touch.pair.friction) {

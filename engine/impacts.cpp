@@ -36,7 +36,7 @@ void book(const World& world, Workspace& w, const Touch& touch, const Encounter&
           const Vec3& p_W, const Vec3& rb) {
   w.by_impacts.energy += F.dot(e.u_W) + 0.5 * F.dot(e.K_W * F);
   if (touch.b_moves) return;
-  const bool driven = world.bodies[touch.b].kind == Kind::driven;
+  const bool driven = touch.b_driven;
   Balance& outside = driven ? w.by_driven : w.by_impacts;
   if (driven) outside.energy += F.dot(velocity_at(world.states[touch.b], rb));
   outside.momentum += F;
@@ -47,8 +47,7 @@ void book(const World& world, Workspace& w, const Touch& touch, const Encounter&
 /// moves towards it. The body is then squeezed between the driven body and something else.
 bool is_squeezed(const World& world, const Touch& touch, bool struck, const ContactPoint& point,
                  const Vec3& rb) {
-  return (struck || touch.pressed) && bounds_squeezes(world.parameters) &&
-         world.bodies[touch.b].kind == Kind::driven &&
+  return (struck || touch.pressed) && bounds_squeezes(world.parameters) && touch.b_driven &&
          velocity_at(world.states[touch.b], rb).dot(point.n_AB_W) < 0.0;
 }
 

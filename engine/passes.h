@@ -186,7 +186,7 @@ inline Passes pass_over(const Island& s, bool sped_up, int most, double enough) 
       if (solved.rows == 0) continue;
       const Touch& touch = s.touches[k];
       FrictionRows* const mine = friction != end && friction->touch == k ? friction++ : nullptr;
-      done.worst = std::max(done.worst, with_other(s.world, touch, [&]<Other other> {
+      done.worst = std::max(done.worst, with_other(touch, [&]<Other other> {
                               return solve<other>(s, touch, solved, mine);
                             }));
     }

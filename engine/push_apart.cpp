@@ -25,7 +25,7 @@ void find_pinned(const World& world, const Touches& touches, const Solved& solve
   if (world.roll.driven.empty() || !bounds_squeezes(world.parameters)) return;
   for (std::size_t k = 0; k < touches.all.size(); ++k) {
     const Touch& touch = touches.all[k];
-    if (touch.points == 0 || world.bodies[touch.b].kind != Kind::driven) continue;
+    if (touch.points == 0 || !touch.b_driven) continue;
     if (solved.touches[k].depth > world.parameters.slop) pinned.push_back(touch.a);
   }
   std::erase_if(pinned, [&](BodyId i) {
@@ -59,7 +59,7 @@ void nudge(const World& world, const Flight& flight, const Touch& touch, const C
   // energy. A pinned body is not turned, and does not rise out of a driven body: it would fall from
   // there.
   const bool pinned = is_pinned(w.pinned, touch);
-  const bool flat = point.guessed || (pinned && world.bodies[touch.b].kind == Kind::driven);
+  const bool flat = point.guessed || (pinned && touch.b_driven);
   const Vec3 n = flat ? level(row.n, world.parameters.gravity_W) : row.n;
   const double turn = point.guessed || pinned ? 0.0 : more;
   note(touch.a);

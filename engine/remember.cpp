@@ -25,12 +25,14 @@ void remember(World& world, Touches& touches, const Flight& flight, Solved& solv
   std::swap(touches.candidates, memory.candidates);
   std::swap(touches.normals, memory.normals);
   std::swap(solved.loads, memory.loads);
-  memory.touches.clear();
+  memory.touches.resize(touches.early);
   for (std::size_t k = 0; k < touches.early; ++k) {
     const Touch& t = touches.all[k];
     const SolvedTouch& s = solved.touches[k];
-    memory.touches.push_back({t.key, s.met, flight.touches[k].struck, s.first_load, s.rows,
-                              t.pair.friction, t.sliding, s.friction_W, s.roll, s.twist});
+    memory.touches[k] = {t.key,        s.met,        flight.touches[k].struck,
+                         s.first_load, s.rows,       t.pair.friction,
+                         t.sliding,    s.friction_W, s.roll,
+                         s.twist};
   }
   world.statistics.contacts = static_cast<std::int64_t>(memory.loads.size());
   world.statistics.awake = static_cast<std::int64_t>(world.roll.movers.size());

@@ -71,7 +71,7 @@ class Squeeze {
     const World& world = s_.world;
     for (const std::uint32_t k : s_.each) {
       const Touch& touch = s_.touches[k];
-      if (touch.points == 0 || world.bodies[touch.b].kind != Kind::driven) continue;
+      if (touch.points == 0 || !touch.b_driven) continue;
       if (s_.flight.bodies[touch.b].top_speed == 0.0) continue;
       pressing_.emplace_back(touch.b, world.states[touch.b]);
       most_ = std::max(most_, throws_at(world, s_.points, touch));

@@ -45,7 +45,7 @@ Balance given_by_driven(const Island& s) {
   const World& world = s.world;
   Balance given;
   const auto book = [&](const Touch& touch, const Vec3& F, const Vec3& torque) {
-    if (world.bodies[touch.b].kind != Kind::driven) return;
+    if (!touch.b_driven) return;
     const State& driven = world.states[touch.b];
     given.energy += F.dot(driven.v_WB) + torque.dot(driven.w_WB);
     given.momentum += F;
@@ -231,7 +231,7 @@ void add_rows(Island& s) {
     const Touch& touch = s.touches[k];
     SolvedTouch& solved = s.solved[k];
     if (solved.rows == 0) continue;
-    with_other(s.world, touch, [&]<Other other> {
+    with_other(touch, [&]<Other other> {
       add_normal_rows<other>(s, touch, solved);
       with_rows(solved, [&]<int n> {
         add_block<other, n>(s, touch, solved);
@@ -249,7 +249,7 @@ void add_rows(Island& s) {
       solved.roll = last.roll_W;
     }
     if (solved.rows == 0 || touch.sliding.kept == 1.0) continue;
-    with_other(s.world, touch, [&]<Other other> { add_friction<other>(s, k); });
+    with_other(touch, [&]<Other other> { add_friction<other>(s, k); });
   }
 }
 
@@ -321,9 +321,9 @@ Solved& sustain(World& world, const Touches& touches, const Flight& flight, Work
     solved.carried[i] = 0.0;
     solved.slowed[i] = Vec3::Zero();
   }
-  solved.touches.clear();
+  solved.touches.assign(touches.all.size(), {});
   for (std::size_t k = 0; k < touches.all.size(); ++k) {
-    SolvedTouch& touch = solved.touches.emplace_back();
+    SolvedTouch& touch = solved.touches[k];
     touch.rows = touches.all[k].points;
     touch.met = touches.all[k].met;
     touch.insists = flight.touches[k].insists;

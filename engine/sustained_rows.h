@@ -23,9 +23,9 @@ inline constexpr double kNoLoad = 1e-150;
 /// Kind of body B of a touch. The sums leave out bodies without velocity.
 enum class Other { still, driven, moving };
 
-inline Other other_of(const World& world, const Touch& touch) {
+inline Other other_of(const Touch& touch) {
   if (touch.b_moves) return Other::moving;
-  return world.bodies[touch.b].kind == Kind::driven ? Other::driven : Other::still;
+  return touch.b_driven ? Other::driven : Other::still;
 }
 
 inline void apply_impulse(State& state, const Mobility& m, const Vec3& F,
@@ -49,16 +49,19 @@ Arms arms_of(const World& world, const Flight& flight, const Touch& touch) {
   return arms;
 }
 
-/// Impulse of a point of the touch in the last step: that of the k-th point, or of the point with
+/// The loads of the touch in the last step; none if it is fresh.
+inline std::span<const Load> last_loads(const Memory& memory, const Touch& touch) {
+  if (touch.fresh) return {};
+  const PastTouch& last = memory.touches[touch.last];
+  return std::span(memory.loads).subspan(last.first_load, last.loads);
+}
+
+/// Impulse of a point of a touch in the last step: that of the k-th point, or of the point with
 /// this feature if the order changed. A new point in place of one that is gone gets its impulse: an
 /// edge may have been found as a part of another face.
-inline double last_impulse(const World& world, const Touch& touch,
+inline double last_impulse(const World& world, std::span<const Load> loads,
                            std::span<const ContactPoint> points, std::uint32_t k) {
-  if (touch.fresh) return 0.0;
-  const Memory& memory = world.memory;
   const std::uint32_t feature = points[k].feature;
-  const PastTouch& last = memory.touches[touch.last];
-  const auto loads = std::span(memory.loads).subspan(last.first_load, last.loads);
   if (k < loads.size() && loads[k].feature == feature) return loads[k].impulse;
   for (const Load& load : loads) {
     if (load.feature == feature) return load.impulse;
@@ -119,6 +122,7 @@ void add_normal_rows(const Island& s, const Touch& touch, const SolvedTouch& sol
   const Arms arms = arms_of<other>(world, s.flight, touch);
   const double left = std::max(step_seconds(world) - touch.time, 1e-9 * step_seconds(world));
   const ContactPoint* const points = s.points + touch.first_point;
+  const std::span<const Load> last = last_loads(world.memory, touch);
   NormalRow* const rows = s.normals.data() + solved.first_row;
   for (std::uint32_t k = 0; k < touch.points; ++k) {
     const ContactPoint& p = points[k];
@@ -135,7 +139,7 @@ void add_normal_rows(const Island& s, const Touch& touch, const SolvedTouch& sol
     }
     row.mass = 1.0 / k_nn;
     row.allowed = p.depth < 0.0 ? -p.depth / left : 0.0;
-    row.impulse = last_impulse(world, touch, {points, touch.points}, k);
+    row.impulse = last_impulse(world, last, {points, touch.points}, k);
     if (row.impulse > 0.0) push_by<other>(s.bodies, touch, row, row.impulse);
   }
 }

@@ -42,7 +42,7 @@ bool stop_at(World& world, const Flight& flight, Balance& pushed, const Touch& t
     return true;
   }
   push_by<Other::still>(bodies, touch, row, j);
-  if (world.bodies[touch.b].kind != Kind::driven) return true;
+  if (!touch.b_driven) return true;
   pushed.energy -= j * b_nears;
   pushed.momentum -= j * row.n;
   pushed.angular_momentum -= j * point.p_W.cross(row.n);
@@ -59,8 +59,8 @@ void stop_swings(World& world, const Touches& touches, const Flight& flight, Sol
     SolvedTouch& s = solved.touches[k];
     s.swings = swings(world, flight, touch, s.depth);
     for (int round = 0; s.swings && round < kRounds; ++round) {
-      const Pose X_WA = state_at_end(world, flight, solved, touch.a).X_WB;
-      const Pose X_WB = state_at_end(world, flight, solved, touch.b).X_WB;
+      const Pose X_WA = pose_at_end(world, flight, solved, touch.a);
+      const Pose X_WB = pose_at_end(world, flight, solved, touch.b);
       const ContactPoint* worst = nullptr;
       for (const ContactPoint& p : points_at_end(world, touches, touch, X_WA, X_WB, w)) {
         const double least = worst ? worst->depth : s.depth + world.parameters.slop;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/inlining.h"
 #include "engine/rules.h"
 
 namespace headpin::engine::detail {
@@ -30,8 +31,8 @@ double friction_at(const Body& body, const Vec2& p, double elsewhere) {
 }
 
 /// The mean friction on the way of a touch's deepest point over B, until the end of the step.
-double friction_on_the_way(const World& world, const Touches& touches, const Touch& touch,
-                           double elsewhere) {
+HEADPIN_OUT_OF_LINE double friction_on_the_way(const World& world, const Touches& touches,
+                                               const Touch& touch, double elsewhere) {
   constexpr int kPlaces = 4;
   const std::span<const ContactPoint> points = points_of(touches, touch);
   const auto deepest = std::max_element(
@@ -51,15 +52,14 @@ double friction_on_the_way(const World& world, const Touches& touches, const Tou
 
 /// Elasticity and friction of a touch: the products of both materials (paper 2.2 b), or the friction
 /// that B has at this place.
-Coefficients coefficients_of(const World& world, const Touches& touches, const Touch& touch) {
+inline Coefficients coefficients_of(const World& world, const Touches& touches,
+                                    const Touch& touch) {
   const Body& a = world.bodies[touch.a];
   const Body& b = world.bodies[touch.b];
-  Coefficients pair{a.material.elasticity * b.material.elasticity,
-                    a.material.friction * b.material.friction};
-  if (has_places(b) && touch.points > 0) {
-    pair.friction = friction_on_the_way(world, touches, touch, pair.friction);
-  }
-  return pair;
+  const Coefficients pair{a.material.elasticity * b.material.elasticity,
+                          a.material.friction * b.material.friction};
+  if (!has_places(b) || touch.points == 0) return pair;
+  return {pair.elasticity, friction_on_the_way(world, touches, touch, pair.friction)};
 }
 
 }  // namespace
@@ -120,6 +120,7 @@ bool add_touch(World& world, const Flight& flight, std::uint32_t candidate, doub
   touch.a = swapped ? c.b : c.a;
   touch.b = swapped ? c.a : c.b;
   touch.b_moves = a_moves && b_moves;
+  touch.b_driven = world.bodies[touch.b].kind == Kind::driven;
   touch.candidate = candidate;
   touch.first_point = static_cast<std::uint32_t>(first);
   touch.points = static_cast<std::uint32_t>(touches.points.size() - first);

@@ -24,6 +24,7 @@ struct Touch {
   std::uint64_t key = 0;
   BodyId a = 0, b = 0;
   bool b_moves = false;         ///< B is free and awake too
+  bool b_driven = false;        ///< B is a driven body
   bool fresh = false;           ///< not there in the last step
   bool met = false;             ///< the two have met before
   bool pressed = false;         ///< its driven body threw or carried the other in the last step

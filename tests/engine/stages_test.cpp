@@ -127,7 +127,7 @@ TEST(StopSwings, KeepsTheEndOfARodOutOfTheLane) {
   world.states[1].w_WB = Vec3(0.0, 20.0, 0.0);  // as if the contacts had let it turn on
   world.states[1].v_WB = Vec3::Zero();
   const auto lowest = [&] {
-    const Pose X_WB = state_at_end(world, w.flight, solved, 1).X_WB;
+    const Pose X_WB = pose_at_end(world, w.flight, solved, 1);
     return X_WB.p.z() - half * std::abs((X_WB.q * Vec3::UnitX()).z());
   };
   ASSERT_LT(lowest(), -0.1);
