@@ -271,17 +271,25 @@ TEST_F(Live, ThumbsThatAreTypedAtAnEmulatorReachTheSession) {
 
 // Its line has float32 numbers, hence not to the last digit; a millisecond of the trigger is 8e-3.
 TEST_F(Live, AThrowThroughAnEmulatedUnitWithItsMouseIsThatOfItsReplay) {
-  const Result result = alone(
-      "$headpin emulate " + kDemo +
-      " --link unit --faults noise=0 --mouse '' & unit=$!\n"
-      "there $unit unit\n"
-      "$headpin live fastrak:unit lcm: --scenario room.toml --record live.lcmlog --eyes none & "
-      "live=$!\ncounted $live live.lcmlog TRACKER 700\n"
-      "interrupt $live; code=$?; interrupt $unit; exit $code");
-  ASSERT_EQ(result.code, 0) << result.err;
   const double wanted =
       json("replay " + kDemo + " -o demo.lcmlog --json")["release_speed_mps"].get<double>();
-  const nlohmann::json live = json("replay live.lcmlog --verify --json");
+  nlohmann::json live;
+  std::string told_of_it;
+  // A busy machine may leave the line unread for so long that it loses the throw's samples.
+  for (int i = 0; i < 5 && !live["release_speed_mps"].is_number(); ++i) {
+    fs::remove(folder_ / "live.lcmlog");
+    const Result result = alone(
+        "$headpin emulate " + kDemo +
+        " --link unit --faults noise=0 --mouse '' & unit=$!\n"
+        "there $unit unit\n"
+        "$headpin live fastrak:unit lcm: --scenario room.toml --record live.lcmlog --eyes none & "
+        "live=$!\ncounted $live live.lcmlog TRACKER 700\n"
+        "interrupt $live; code=$?; interrupt $unit; exit $code");
+    ASSERT_EQ(result.code, 0) << result.err;
+    told_of_it = result.err;
+    live = json("replay live.lcmlog --verify --json");
+  }
+  ASSERT_TRUE(live["release_speed_mps"].is_number()) << told_of_it << live.dump(1);
   EXPECT_NEAR(live["release_speed_mps"].get<double>(), wanted, 1e-3);
   std::ptrdiff_t told = 0;
   for (const devices::Sample& sample : trial("live.lcmlog").samples) {
