@@ -10,6 +10,8 @@ set(HEADPIN_NOT_SANITIZED
   BoxBetweenHandAndWall.GetsNoFasterThanTheHandWouldThrowIt
   BoxPressedFarIntoABlock.IsPushedApartWithoutSpeedWhenTheHandStops
   BundledScenario.StandsUntouchedForAMinute
+  Cameras.FlowLeadsToWhereTheSamePointIsInTheNextFrame
+  Cameras.SeeEachBodyAtThePixelsThatHaveItsId
   CapsuleDistance.IsThatOfTheNearestSamples
   Clearance.IsTheRadiusOfABallThatTheShapeHolds
   CommandLine.OneWordMeansOneThingInAllObjects
@@ -22,7 +24,10 @@ set(HEADPIN_NOT_SANITIZED
   FastrakDriverTest.TheEstimateIsTheMeasurementsTimeWithinAMillisecond
   FastrakDriverTest.TicksThatComeLateBendNoIntervalAndLoseNothing
   FrameByFrame.ReadsTheHeadAtEachFramesOwnTime
+  Frames.AnotherLookIsDrawnWhenAskedFor
   Frames.AreInTheLosslessVideoToTheBitForEveryDisplay
+  Frames.AreTheSameWhateverTheNumberOfMesasThreads
+  FramesInParts.DrawnBySeveralProcessesAreTheSameFiles
   Goldens.OfEveryLookAreAsTheyWereLookedAt
   HandLaws.NothingCarriedIsEverBelowTheLaneOrBehindAWall
   Ids.AreWhereThePhysicsHasBallAndSkittles
@@ -83,6 +88,7 @@ set(HEADPIN_NOT_SANITIZED
   WalkTest.EndsAtWhateverStandsInItsWayAndNotBefore
   WhatIf.CostsOfARealThrowAreNeverNegativeAndItsOwnCountIsThere
   WhatIfCommand.ARowHasTheHeightThatTheBallReallyHad
+  WhatIfCommand.HasTheFastestMomentThatInfoTells
   WhatIfCommand.IsAskedUnderAnyCondition
   WhatIfCommand.SeveralBoardsTellTheRoomToMiss
   WhatIfCommand.TheNumberOfJobsDoesNotChangeAByte
