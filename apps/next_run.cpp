@@ -12,8 +12,7 @@
 
 namespace headpin::apps {
 
-void leave_to_person(const Study& study, const std::string& id) {
-  const std::vector<Run> runs = runs_of(study, id);
+void leave_to_person(const std::vector<Run>& runs, const std::string& id) {
   if (const Run* const persons = of_person(runs)) {
     throw PersonsSession(
         fmt::format("{} is left out: {} is a person's", id, persons->path.string()));
@@ -32,7 +31,7 @@ NextRun::NextRun(const Study& study, const std::string& id, const std::string& c
         fmt::format("{}: {} has played already ({:.1f} s); a session is played only once",
                     done->path.string(), id, done->seconds));
   }
-  if (is_virtual) leave_to_person(study, id);
+  if (is_virtual) leave_to_person(runs, id);
   int last = 0;
   for (const Run& run : runs) {
     last = std::max(last, study::whole_in(run.name.substr(4)).value_or(0));

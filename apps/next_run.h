@@ -4,6 +4,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "apps/study_folder.h"
 
@@ -19,9 +20,9 @@ struct PersonsSession : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// For a virtual participant, whether a person plays now or was cut off.
-/// @throws PersonsSession  where a person has begun one of the participant's runs
-void leave_to_person(const Study& study, const std::string& id);
+/// Asked before a virtual participant plays.
+/// @throws PersonsSession  where a person has begun one of the participant's runs, and plays now or was cut off
+void leave_to_person(const std::vector<Run>& runs, const std::string& id);
 
 /// A participant's folder of sessions, locked during the lifetime of this object, and the name of
 /// the next run.

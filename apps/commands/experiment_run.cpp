@@ -91,8 +91,9 @@ class VirtualStudy {
   void work(Progress& progress) {
     for (std::size_t i = next_++; i < waiting_.size() && !failed_; i = next_++) {
       try {
-        leave_to_person(study_, waiting_[i]->id);  // one who plays now locks the session
-        const NextRun run(study_, waiting_[i]->id, kCommand, true);
+        const std::string& id = waiting_[i]->id;
+        leave_to_person(runs_of(study_, id), id);  // whoever plays now has locked the session
+        const NextRun run(study_, id, kCommand, true);
         played_[i] = play_virtual(study_, *waiting_[i], run.path(), [this] {
           check_stop();
           if (failed_) throw std::runtime_error("another session failed");
