@@ -71,6 +71,8 @@ inline bool keeps_rooms_exact(const Parameters& p) {
 
 // Since rules 8: Coulomb's law where bodies meet without a slip. See response_under() in response.h.
 
+// Since rules 9: how the bodies of a scene are made. See skittle_body() in scene/stage/bodies.cpp.
+
 /// The query with what older rules lack switched off.
 inline Query query_under(const Parameters& p) {
   Query query = p.query;

@@ -69,6 +69,19 @@ engine::MassProperties skittle_mass(const Scenario& scenario, const engine::Comp
   return of_parts(is_ellipsoid ? skittle_shape(skittle, SkittleShape::parts) : shape);
 }
 
+/// Rules 1 to 8 turned a skittle until its principal axes were those of the world. Its mesh then collided otherwise than
+/// it stood in its file and was drawn.
+bool turns_skittles(const Scenario& scenario) {
+  return scenario.collision.rules < 9;
+}
+
+/// @param p_BG  the origin of the parts' old frame in their new one
+engine::Compound moved(const engine::Compound& shape, const Vec3& p_BG) {
+  std::vector<engine::Part> parts = shape.parts;
+  for (engine::Part& part : parts) part.X_BG.p += p_BG;
+  return engine::make_compound(std::move(parts));
+}
+
 engine::Material surface(const Coefficients& material, double rolling_arm = 0.0) {
   return {material.elasticity, material.friction, rolling_arm};
 }
@@ -154,25 +167,39 @@ engine::Compound skittle_shape(const Skittle& skittle, SkittleShape shape) {
 
 SkittleBody skittle_body(const Scenario& scenario) {
   const engine::Compound shape = skittle_shape(scenario.skittle, scenario.collision.shape);
-  const engine::Centred centred = engine::about_centre(shape, skittle_mass(scenario, shape));
-  constexpr double kUpright =
-      1e-3;  // [1] and [m]: it stands on its spot, and is not turned to stand
+  const engine::MassProperties mass = skittle_mass(scenario, shape);
+  const engine::Centred centred = engine::about_centre(shape, mass);
+  constexpr double kBeside = 1e-3;  // [m]
   const double off = centred.X_BC.p.head<2>().norm();
-  const double tilt = (centred.X_BC.q * Vec3::UnitZ() - Vec3::UnitZ()).norm();
-  if (off > kUpright || tilt > kUpright) {
+  if (off > kBeside) {
     throw std::invalid_argument(fmt::format(
-        "skittle.parts have their centre of mass {:.4g} m beside the axis and a principal axis "
-        "{:.4g} rad from it, expected within {:g}; move the mesh so that its axis is at x = 0, y = "
-        "0, or weigh the profile (skittle.weighed). A hollow mesh is weighed as the convex pieces that "
-        "it is cut into, which may be lopsided",
-        off, tilt, kUpright));
+        "skittle.parts have their centre of mass {:.4g} m beside the axis, expected within {:g}; "
+        "move the mesh so that its axis is at x = 0, y = 0, or weigh the profile "
+        "(skittle.weighed). A hollow mesh is weighed as the convex pieces that it is cut into, which "
+        "may be lopsided",
+        off, kBeside));
   }
-  return {{.name = std::string(kSkittleName),
-           .shape = centred.compound,
-           .mass = centred.mass,
-           .inertia = centred.inertia.asDiagonal(),
-           .material = surface(scenario.material.skittle, scenario.skittle.rolling_arm)},
-          centred.X_BC.p.z()};
+  constexpr double kUpright = 1e-3;  // [1]
+  const double tilt = (centred.X_BC.q * Vec3::UnitZ() - Vec3::UnitZ()).norm();
+  if (turns_skittles(scenario) && tilt > kUpright) {
+    throw std::invalid_argument(fmt::format(
+        "skittle.parts have a principal axis {:.4g} rad from the vertical, expected within {:g} with "
+        "collision.rules 1 to 8, which turn it upright; 9 does not",
+        tilt, kUpright));
+  }
+  SkittleBody skittle{
+      {.name = std::string(kSkittleName),
+       .shape = centred.compound,
+       .mass = centred.mass,
+       .inertia = centred.inertia.asDiagonal(),
+       .material = surface(scenario.material.skittle, scenario.skittle.rolling_arm)},
+      centred.X_BC.p.z()};
+  const bool is_turned = centred.X_BC.q.w() != 1.0;
+  if (is_turned && !turns_skittles(scenario)) {
+    skittle.body.shape = moved(shape, -centred.X_BC.p);
+    skittle.body.inertia = mass.inertia;
+  }
+  return skittle;
 }
 
 engine::Body ball_body(const Scenario& scenario) {

@@ -11,7 +11,7 @@ namespace headpin::scene {
 /// A skittle's shape with its base's middle at the origin and its axis along z.
 engine::Compound skittle_shape(const Skittle& skittle, SkittleShape shape);
 
-/// A skittle as a body: origin at its centre of mass, uniform density.
+/// A skittle as a body: origin at its centre of mass, axes of its parts, uniform density.
 struct SkittleBody {
   engine::Body body;
   double centre_height;  ///< of its centre of mass above its base [m]

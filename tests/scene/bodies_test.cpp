@@ -1,6 +1,8 @@
 #include "scene/stage/bodies.h"
 
+#include <array>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -24,6 +26,64 @@ TEST(SkittleBody, WeighsWhatItsScenarioSaysAndBalancesWhereAPinDoes) {
   EXPECT_EQ(skittle_body(ellipsoid).centre_height, centre_height);
   ellipsoid.skittle.ellipsoid_weighed = WeighedEllipsoid::itself;
   EXPECT_NEAR(skittle_body(ellipsoid).centre_height, 0.5 * 0.381, 1e-9);
+}
+
+Scenario of_one_mesh(std::vector<Vec3> corners) {
+  Scenario scenario;
+  SkittlePart part;
+  part.shape = PartShape::polyhedron;
+  part.corners = std::move(corners);
+  part.faces = {{3, 2, 1, 0}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+  scenario.skittle.parts = {part};
+  scenario.skittle.weighed = Weighed::parts;
+  scenario.skittle.mass = 1.0;
+  return scenario;
+}
+
+/// The corners of a box on the floor, in the order of of_one_mesh.
+std::vector<Vec3> box_corners(const Vec3& size) {
+  std::vector<Vec3> corners;
+  for (const double z : {0.0, size.z()}) {
+    for (const auto& [x, y] : {std::array{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}) {
+      corners.emplace_back(x * size.x(), y * size.y(), z);
+    }
+  }
+  return corners;
+}
+
+// A plank 40 degrees aslant, by hand: m / 12 (a^2 + b^2), turned.
+TEST(SkittleBody, OfAMeshStandsAsTheMeshDoes) {
+  const Vec3 size(0.04, 0.36, 0.30);
+  const Mat3 R =
+      Eigen::AngleAxisd(40.0 * std::numbers::pi / 180.0, Vec3::UnitZ()).toRotationMatrix();
+  std::vector<Vec3> corners = box_corners(size);
+  for (Vec3& p : corners) p = R * p;
+  Scenario scenario = of_one_mesh(corners);
+  const auto [body, centre_height] = skittle_body(scenario);
+  EXPECT_NEAR(centre_height, 0.15, 1e-12);
+  const Vec3 squares = size.cwiseAbs2();
+  const Vec3 own((squares.y() + squares.z()) / 12.0, (squares.x() + squares.z()) / 12.0,
+                 (squares.x() + squares.y()) / 12.0);
+  EXPECT_NEAR((body.inertia - R * own.asDiagonal() * R.transpose()).norm(), 0.0, 1e-12);
+  const engine::Part& part = body.shape->parts.at(0);
+  double farthest = 0.0;
+  for (const Vec3& p_G : std::get<engine::Polyhedron>(part.shape).vertices()) {
+    const Vec3 p = part.X_BG * p_G + Vec3(0.0, 0.0, centre_height);
+    double nearest = 1.0;
+    for (const Vec3& corner : corners) nearest = std::min(nearest, (p - corner).norm());
+    farthest = std::max(farthest, nearest);
+  }
+  EXPECT_NEAR(farthest, 0.0, 1e-12);
+}
+
+// Of a cube all axes are principal axes, until it is sheared by a millionth.
+TEST(SkittleBody, OfAMeshThatIsNearlyACubeStands) {
+  std::vector<Vec3> corners = box_corners(Vec3::Constant(0.1));
+  for (Vec3& p : corners) p.x() += 1e-6 * (p.z() - 0.05) + 2e-6 * p.y();
+  Scenario scenario = of_one_mesh(corners);
+  EXPECT_NEAR(skittle_body(scenario).centre_height, 0.05, 1e-6);
+  scenario.collision.rules = 8;
+  EXPECT_THROW(skittle_body(scenario), std::invalid_argument);
 }
 
 TEST(BodyNames, TellTheRolesOfTheBodiesThatMove) {

@@ -74,6 +74,14 @@ double deepest_ball(const std::string& path, std::int64_t rules) {
   return deepest;
 }
 
+// Made in November 2026, under rules 8: planks that stand 40 degrees aslant collided as if they stood across.
+TEST(ATrialOfRules8, ComesToTheHashesOfItsTimeAndToOthersUnderRules9) {
+  const std::string path = HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-8.lcmlog";
+  const Hashes made{"748c1c5518a480c0", "2e69c389aefa91db"};
+  EXPECT_EQ(replayed(path), made);
+  EXPECT_FALSE(replayed(path, 9) == made);
+}
+
 // Made in November 2026, by the step of rules 7: ten pins under the response coulomb.
 TEST(ATrialOfRules7, ComesToTheHashesOfItsTime) {
   const std::string path = HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-7.lcmlog";
