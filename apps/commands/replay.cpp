@@ -237,7 +237,8 @@ nlohmann::json result_of(const ReplayOptions& options, const scene::Recorded& re
   nlohmann::json result = scene::summary(run.session, run.totals.score_at_end(run.session));
   result.update(scene::whose(options.trial, recorded.file.summary(), options.condition.set));
   result["output"] = options.output ? nlohmann::json(*options.output) : nlohmann::json();
-  result.update(scene::compared_throws(recorded.file, recorded.scenario, other, run.happened.events,
+  const bool same = scene::differences(recorded.scenario, other).empty();
+  result.update(scene::compared_throws(recorded.file, recorded.scenario, same, run.happened.events,
                                        [] { check_stop(); }));
   const std::string why = run.totals.why_nothing_fell();
   if (!why.empty()) result["why_nothing_fell"] = why;

@@ -112,7 +112,7 @@ std::map<std::int64_t, FramePtr> drawn(OpenTrial& trial, std::vector<std::int64_
   std::ranges::sort(numbers);
   const auto lock = trial.lock();
   const scene::Scenario& scenario = trial.scenario();
-  Run run(trial, scenario, {.states = true});
+  Run run(trial, scenario, nullptr, {.states = true});
   const std::int64_t fps = wanted.fps.value_or(scenario.rates.frame_hz);
   check_numbers(numbers, tick_time(run.ticks, scenario.rates.physics_hz), fps);
   const Pose X_WD_first = scene::first_head_pose(trial.file(), scenario.rig);

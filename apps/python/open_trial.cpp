@@ -20,13 +20,16 @@ const scene::Scenario& OpenTrial::scenario() {
   return *scenario_;
 }
 
-Run::Run(OpenTrial& trial, const scene::Scenario& scenario, scene::TrialPlayer::Beside beside)
+Run::Run(OpenTrial& trial, const scene::Scenario& scenario, const engine::Response* own,
+         scene::TrialPlayer::Beside beside)
     : session(scene::make_session(scenario)),
       source(trial.file(), beside),
       ticks(scene::tick_count(trial.summary(), scenario.rates.physics_hz,
                               trial.scenario().rates.physics_hz)) {
-  if (trial.summary().sample_count > 0) return;
-  throw DamagedTrial(trial.path() + ": expected samples of a tracker, found none");
+  if (trial.summary().sample_count == 0) {
+    throw DamagedTrial(trial.path() + ": expected samples of a tracker, found none");
+  }
+  if (own != nullptr) scene::set_response(session, *own);
 }
 
 void Run::go(std::span<scene::Observer* const> seen_by, const std::function<bool()>& enough) {

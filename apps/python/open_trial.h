@@ -1,9 +1,11 @@
 #pragma once
 
+#include <atomic>
 #include <mutex>
 #include <optional>
 #include <span>
 #include <string>
+#include <thread>
 
 #include "apps/python/interrupts.h"
 #include "scene/play/run.h"
@@ -26,21 +28,47 @@ class OpenTrial {
   /// @throws std::invalid_argument  when it cannot be read
   const scene::Scenario& scenario();
 
+  /// Keeps other threads from the file and the scenario.
+  class Lock {
+   public:
+    explicit Lock(OpenTrial& trial) : trial_(trial), reading_(trial.reading_) {
+      trial_.reader_ = std::this_thread::get_id();
+    }
+    ~Lock() { trial_.reader_ = std::thread::id(); }
+    Lock(const Lock&) = delete;
+    Lock& operator=(const Lock&) = delete;
+
+   private:
+    OpenTrial& trial_;
+    std::lock_guard<std::mutex> reading_;
+  };
+
   /// Who reads the file or the scenario locks it, with the GIL released.
-  std::unique_lock<std::mutex> lock() { return std::unique_lock(reading_); }
+  /// @throws std::runtime_error  when this thread has locked it already: in a law of response
+  Lock lock() {
+    if (reader_ == std::this_thread::get_id()) {
+      throw std::runtime_error(path_ +
+                               ": is replayed by this thread; expected other calls after it");
+    }
+    return Lock(*this);
+  }
 
  private:
   std::string path_;
   scene::TrialFile file_;
   std::optional<scene::Scenario> scenario_;
   std::mutex reading_;
+  std::atomic<std::thread::id> reader_;  ///< who has it locked; none without one
 };
 
 /// The simulation of a trial. The GIL must be released, and the trial locked, for as long as it exists.
 struct Run {
   /// @throws DamagedTrial           when the trial holds no samples
   /// @throws std::invalid_argument  when the scenario cannot be played
-  Run(OpenTrial& trial, const scene::Scenario& scenario, scene::TrialPlayer::Beside beside = {});
+  ///
+  /// @param own  a law of response in place of the scenario's, which must outlive this; null: none
+  Run(OpenTrial& trial, const scene::Scenario& scenario, const engine::Response* own,
+      scene::TrialPlayer::Beside beside = {});
 
   /// Makes all ticks, or until `enough`; stops at Ctrl-C.
   void go(std::span<scene::Observer* const> seen_by, const std::function<bool()>& enough = {});

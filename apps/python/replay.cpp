@@ -84,7 +84,7 @@ py::array states_of(const Replay& replay) {
   {
     const py::gil_scoped_release released;
     const auto lock = replay.trial->lock();
-    Run run(*replay.trial, replay.scenario);
+    Run run(*replay.trial, replay.scenario, replay.own.get());
     table->reserve(run.ticks * static_cast<std::int64_t>(replay.header.body_names.size()));
     scene::TableRows rows("states", replay.header, [&](auto row) { table->add(row); });
     States states(rows);
@@ -101,8 +101,10 @@ py::object summary_of(const Replay& replay) {
     const auto lock = replay.trial->lock();
     Interrupts interrupts;
     all.update(scene::whose(replay.trial->path(), replay.trial->summary(), replay.condition.set));
-    all.update(scene::compared_throws(replay.trial->file(), replay.trial->scenario(),
-                                      replay.scenario, replay.events, [&] { interrupts.check(); }));
+    const bool same =
+        !replay.own && scene::differences(replay.trial->scenario(), replay.scenario).empty();
+    all.update(scene::compared_throws(replay.trial->file(), replay.trial->scenario(), same,
+                                      replay.events, [&] { interrupts.check(); }));
   }
   return to_python(all);
 }
@@ -132,12 +134,17 @@ scene::TrialWriter open_writer(const Replay& replay, const std::string& path,
 
 void save(const Replay& replay, const std::filesystem::path& path, bool overwrite,
           const std::string& states) {
+  if (replay.own) {
+    throw std::invalid_argument(
+        "save: nobody could replay the trial of a response of one's own; expected a response by its "
+        "name");
+  }
   if (states != "changes" && states != "all") {
     throw std::invalid_argument("states: expected changes or all, found " + states);
   }
   const py::gil_scoped_release released;
   const auto lock = replay.trial->lock();
-  Run run(*replay.trial, replay.scenario);
+  Run run(*replay.trial, replay.scenario, nullptr);
   scene::TrialWriter writer =
       open_writer(replay, path.string(), run.session, overwrite, states == "changes");
   for (const scene::Event& event : replay.trial->summary().events) {
@@ -152,12 +159,13 @@ void save(const Replay& replay, const std::filesystem::path& path, bool overwrit
 }  // namespace
 
 std::unique_ptr<Replay> replay(const std::shared_ptr<OpenTrial>& trial,
-                               const scene::Condition& condition) {
+                               const scene::Condition& condition,
+                               std::shared_ptr<const engine::Response> own) {
   const py::gil_scoped_release released;
   const auto lock = trial->lock();
   scene::Scenario scenario = trial->scenario();
   scene::apply(condition, scenario);
-  Run run(*trial, scenario);
+  Run run(*trial, scenario, own.get());
   scene::Totals totals;
   Events events;
   scene::Observer* const seen_by[] = {&totals, &events};
@@ -166,6 +174,7 @@ std::unique_ptr<Replay> replay(const std::shared_ptr<OpenTrial>& trial,
   done->trial = trial;
   done->condition = condition;
   done->scenario = std::move(scenario);
+  done->own = std::move(own);
   const scene::Score score = totals.score_at_end(run.session);
   done->result = scene::summary(run.session, score);
   if (const std::string why = totals.why_nothing_fell(); !why.empty()) {
@@ -184,12 +193,13 @@ void add_replay(py::module_& module) {
   replay.attr("__module__") = "headpin";
   replay
       .def_property_readonly(
-          "state_hash",
-          [](const Replay& r) { return r.result.at("state_hash").get<std::string>(); },
-          "Hash of the last state, 16 hexadecimal digits (docs/hash-and-ledger.md).")
+          "state_hash", [](const Replay& r) { return to_python(r.result.at("state_hash")); },
+          "Hash of the last state, 16 hexadecimal digits (docs/hash-and-ledger.md). None with a "
+          "response of\none's own.")
       .def_property_readonly(
-          "game_hash", [](const Replay& r) { return r.result.at("game_hash").get<std::string>(); },
-          "Hash of all ticks: two replays with the same one had bit-identical games.")
+          "game_hash", [](const Replay& r) { return to_python(r.result.at("game_hash")); },
+          "Hash of all ticks: two replays with the same one had bit-identical games. None with a "
+          "response\nof one's own.")
       .def_property_readonly(
           "summary", [](Replay& r) { return once(r, "summary", [&] { return summary_of(r); }); },
           "The result as a dict, with the keys of `headpin replay --json` except realtime_factor "
@@ -224,8 +234,10 @@ void add_replay(py::module_& module) {
           "when it\n"
           "cannot be written.")
       .def("__repr__", [](const Replay& r) {
-        return "<headpin.Replay of " + r.trial->path() + ", game hash " +
-               r.result.at("game_hash").get<std::string>() + ">";
+        return "<headpin.Replay of " + r.trial->path() +
+               (r.own ? ", response of one's own"
+                      : ", game hash " + r.result.at("game_hash").get<std::string>()) +
+               ">";
       });
 }
 

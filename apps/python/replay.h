@@ -9,6 +9,7 @@
 #include <pybind11/pybind11.h>
 
 #include "apps/python/open_trial.h"
+#include "engine/response.h"
 #include "scene/record/tables.h"
 #include "scene/stage/condition.h"
 
@@ -18,16 +19,20 @@ namespace headpin::python {
 struct Replay {
   std::shared_ptr<OpenTrial> trial;
   scene::Condition condition;
-  scene::Scenario scenario;          ///< under the condition
-  nlohmann::json result;             ///< scene::summary()
-  scene::TrialHeader header;         ///< with the names of the bodies
-  std::vector<scene::Event> events;  ///< of all ticks
+  scene::Scenario scenario;                     ///< under the condition
+  std::shared_ptr<const engine::Response> own;  ///< a law of the caller's own, if there is one
+  nlohmann::json result;                        ///< scene::summary()
+  scene::TrialHeader header;                    ///< with the names of the bodies
+  std::vector<scene::Event> events;             ///< of all ticks
   std::vector<scene::ThrowRow> throws;
   std::map<std::string, pybind11::object> made;  ///< what was asked for, by its name
 };
 
 /// Simulates a trial under a condition.
+///
+/// @param own  a law of the caller's own in place of the condition's; null: none
 std::unique_ptr<Replay> replay(const std::shared_ptr<OpenTrial>& trial,
-                               const scene::Condition& condition);
+                               const scene::Condition& condition,
+                               std::shared_ptr<const engine::Response> own);
 
 }  // namespace headpin::python

@@ -13,6 +13,7 @@
 #include "apps/python/module.h"
 #include "apps/python/open_trial.h"
 #include "apps/python/replay.h"
+#include "apps/python/response.h"
 #include "apps/python/table.h"
 #include "apps/python/values.h"
 #include "scene/play/score.h"
@@ -126,10 +127,27 @@ py::dict words_of_columns(std::string scene::TableColumn::*words) {
   return all;
 }
 
+/// Takes a law of response of the caller's own out of keyword arguments.
+std::shared_ptr<const engine::Response> take_own_response(py::kwargs& words) {
+  std::string sliding = "paper";
+  if (words.contains("sliding")) sliding = py::str(words.attr("pop")("sliding"));
+  engine::response_named(sliding);  // throws for an unknown name, also where it is not used
+  if (!words.contains("response")) return nullptr;
+  const py::object law = words["response"];
+  if (law.is_none() || py::isinstance<py::str>(law)) return nullptr;
+  words.attr("pop")("response");
+  return own_response(law, sliding);
+}
+
+std::unique_ptr<Replay> replay_of(const Trial& trial, py::kwargs words) {
+  std::shared_ptr<const engine::Response> own = take_own_response(words);
+  return replay(trial.open, condition_of(words), std::move(own));
+}
+
 std::optional<std::string> verify(Trial& trial) {
   const py::gil_scoped_release released;
   const auto lock = trial.open->lock();
-  Run run(*trial.open, trial.open->scenario(), {.states = true});
+  Run run(*trial.open, trial.open->scenario(), nullptr, {.states = true});
   scene::Verifier verifier(trial.open->path(), run.source, run.session);
   scene::Observer* const seen_by[] = {&verifier};
   try {
@@ -244,11 +262,11 @@ Poses are in the world frame: x right, y to the skittles, z up, from the middle 
   add_tables(trial);
   static const std::string replay_words =
       std::string("Simulates the trial again from its samples; returns a Replay.\n\n") +
-      kConditionWords;
-  trial.def(
-      "replay",
-      [](const Trial& t, const py::kwargs& words) { return replay(t.open, condition_of(words)); },
-      replay_words.c_str());
+      kConditionWords +
+      "\nresponse may also be a law of one's own, as for headpin.engine.World. Then sliding "
+      "(\"paper\" or \"coulomb\")\nsays how sliding continues at lasting contacts; the replay "
+      "has no hashes and cannot be saved.";
+  trial.def("replay", &replay_of, replay_words.c_str());
   trial.def(
       "verify", &verify,
       "Simulates the trial again and compares every tick with the recorded states, to the bit.\n\n"

@@ -59,11 +59,11 @@ nlohmann::json whose(const std::string& path, const TrialSummary& trial,
 /// The throws of a recorded session that its replay does not have, and the reverse, as in `--json`.
 ///
 /// @param as_recorded  the trial's own scenario
-/// @param replayed     that of the replay
+/// @param same         whether the replay was under the recorded condition
 /// @param again        events of the replay
 /// @param each_tick    as for events_of
-nlohmann::json compared_throws(const TrialFile& file, const Scenario& as_recorded,
-                               const Scenario& replayed, std::span<const Event> again,
+nlohmann::json compared_throws(const TrialFile& file, const Scenario& as_recorded, bool same,
+                               std::span<const Event> again,
                                const std::function<void()>& each_tick);
 
 /// One of them: "throw 7 (red, 63.200 s): not thrown: the hand closed on nothing".

@@ -35,6 +35,47 @@ class Replay(unittest.TestCase):
             hashes.add(replay.game_hash)
         self.assertEqual(len(hashes), len(CONDITIONS))
 
+    def test_with_a_response_of_ones_own_is_the_session_with_it(self):
+        def smooth(u, K, N, elasticity, friction):
+            return -(1.0 + elasticity) * u.dot(N) / N.dot(K @ N) * N
+
+        trial = headpin.Trial(support.DEMO)
+        replay = trial.replay(response=smooth, sliding="coulomb", elasticity=0.9)
+        trial.replay(elasticity=0.9).save(support.file("elastic.lcmlog"))
+        scenario = headpin.Trial(support.file("elastic.lcmlog")).scenario
+        session = headpin.Session(scenario, response=smooth, sliding="coulomb")
+        session.push(trial.samples)
+        session.push(trial.buttons)
+        session.step(trial.replay().summary["ticks"])
+        last = replay.states[-len(session.names):]
+        for column in ("x_m", "y_m", "z_m", "qw", "vx_mps", "wz_radps"):
+            self.assertEqual(last[column].tolist(), session.bodies[column].tolist())
+        self.assertEqual(replay.score, session.score)
+        self.assertNotEqual(last["x_m"].tolist(), trial.replay(elasticity=0.9).states[-len(last):]["x_m"].tolist())
+        self.assertEqual((replay.summary["response"], replay.state_hash, replay.game_hash), ("custom", None, None))
+        self.assertIn("response of one's own", repr(replay))
+        with self.assertRaisesRegex(ValueError, "^save: nobody could replay"):
+            replay.save(support.file("own.lcmlog"))
+
+    def test_says_what_goes_wrong_in_a_response_of_ones_own(self):
+        trial = headpin.Trial(support.DEMO)
+
+        def fails(u, K, N, elasticity, friction):
+            raise KeyError("rubber")
+
+        def asks(u, K, N, elasticity, friction):
+            return len(trial.samples) * N
+
+        with self.assertRaisesRegex(KeyError, "rubber"):
+            trial.replay(response=fails)
+        with self.assertRaisesRegex(RuntimeError, "is replayed by this thread"):
+            trial.replay(response=asks)
+        with self.assertRaisesRegex(ValueError, "expected a name, a function"):
+            trial.replay(response=1.5)
+        with self.assertRaisesRegex(ValueError, "honey"):
+            trial.replay(response=fails, sliding="honey")
+        self.assertEqual(len(trial.samples), 841)
+
     def test_says_why_nothing_fell(self):
         far = headpin.Trial(support.DEMO).replay(set={"ball.home": [1.5, 1.0, 0.85]})
         self.assertIn("too far to take it", far.summary["why_nothing_fell"])

@@ -16,7 +16,8 @@ import numpy.typing
 trial = headpin.Trial("x.lcmlog")
 height: float = float(trial.states["z_m"].max())
 replay = trial.replay(friction=0.1, set={"ball.mass": 5.0})
-hashes: list[str] = [replay.state_hash, replay.game_hash]
+own = trial.replay(response=lambda u, K, N, elasticity, friction: [0.0, 0.0, 1.0], sliding="coulomb")
+hashes: list[str | None] = [replay.state_hash, replay.game_hash]
 frame = trial.frames(250, depth=True)
 pixels: np.typing.NDArray[np.uint8] = frame.image
 both: list[headpin.Frame] = trial.frames(range(3), eye="both")

@@ -4,7 +4,7 @@ from typing import Any, Iterable, Literal, Mapping, SupportsIndex, overload
 import numpy as np
 import numpy.typing as npt
 
-from ._session import MouseSample as MouseSample, Session as Session, TrackerSample as TrackerSample
+from ._session import _Law, MouseSample as MouseSample, Session as Session, TrackerSample as TrackerSample
 
 __version__: str
 
@@ -36,9 +36,9 @@ class Frame:
 
 class Replay:
     @property
-    def state_hash(self) -> str: ...
+    def state_hash(self) -> str | None: ...
     @property
-    def game_hash(self) -> str: ...
+    def game_hash(self) -> str | None: ...
     @property
     def summary(self) -> dict[str, Any]: ...
     @property
@@ -95,7 +95,8 @@ class Trial:
         friction: float | None = ...,
         elasticity: float | None = ...,
         shape: Literal["ellipsoid", "true"] | None = ...,
-        response: str | None = ...,
+        response: str | int | _Law | None = ...,
+        sliding: Literal["paper", "coulomb"] = ...,
         detection: Literal["converged", "paper"] | None = ...,
         iterations: int | None = ...,
         warm: bool | None = ...,
