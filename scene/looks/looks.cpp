@@ -87,7 +87,11 @@ render::Mesh faces_of(const SkittlePart& part, double origin) {
     const auto corner = [&](std::size_t i) {
       return Vec3(part.corners[face[i]] - Vec3(0.0, 0.0, origin));
     };
-    const Vec3 n = (corner(1) - corner(0)).cross(corner(2) - corner(1)).normalized();
+    Vec3 area = Vec3::Zero();  // of all corners: the first three may be in line
+    for (std::size_t i = 1; i + 1 < face.size(); ++i) {
+      area += (corner(i) - corner(0)).cross(corner(i + 1) - corner(0));
+    }
+    const Vec3 n = area.normalized();
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (std::size_t i = 0; i < face.size(); ++i) {
       mesh.vertices.push_back({corner(i).cast<float>(), n.cast<float>(), white.cast<float>()});
