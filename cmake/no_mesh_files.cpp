@@ -27,7 +27,8 @@ std::vector<engine::Polyhedron> polyhedra_of(std::string_view, const std::filesy
   refuse(path);
 }
 
-double enclosed_volume(std::string_view, const std::filesystem::path& path, const MeshMeasure&) {
+double added_by(std::span<const engine::Polyhedron>, std::string_view,
+                const std::filesystem::path& path, const MeshMeasure&) {
   refuse(path);
 }
 

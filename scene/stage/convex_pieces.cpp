@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "scene/stage/convex_hull.h"
+#include "scene/stage/overlap.h"
 
 namespace headpin::scene {
 
@@ -130,14 +131,6 @@ std::vector<Surface> shells_of(const Surface& surface,
     }
   }
   return shells;
-}
-
-void append(Surface& to, const Surface& from) {
-  const auto first = static_cast<std::uint32_t>(to.points.size());
-  to.points.insert(to.points.end(), from.points.begin(), from.points.end());
-  for (const auto& [a, b, c] : from.triangles) {
-    to.triangles.push_back({a + first, b + first, c + first});
-  }
 }
 
 /// The bodies that a surface encloses: its shells, each with the shells of the holes in it. Those without
@@ -379,6 +372,39 @@ class Cutter {
   double volume_;
 };
 
+/// Cuts bodies until their hulls add at most `least` [m^3], no cut makes them add less, or there are `most`
+/// pieces. These are in the order of their lowest corners.
+std::vector<Piece> pieces_of(const std::vector<Surface>& bodies, double slack, double least,
+                             std::size_t most) {
+  std::vector<Cutter> cutters;
+  std::vector<Piece> pieces;
+  for (const Surface& body : bodies) {
+    cutters.emplace_back(Clipper(body), bends_of(body, sides_of(body), slack), volume_of(body));
+    pieces.push_back(cutters.back().whole());
+    pieces.back().body = cutters.size() - 1;
+  }
+  const auto by_added = [](const Piece& a, const Piece& b) {
+    return (a.done ? -1.0 : a.added) < (b.done ? -1.0 : b.added);
+  };
+  while (pieces.size() < most) {
+    double all = 0.0;
+    for (const Piece& piece : pieces) all += piece.added;
+    Piece& worst = *std::max_element(pieces.begin(), pieces.end(), by_added);
+    if (all <= least || worst.done) break;
+    auto halves = cutters[worst.body].cut(worst);
+    worst.done = !halves;
+    if (!halves) continue;
+    halves->first.body = halves->second.body = worst.body;
+    worst = std::move(halves->first);
+    pieces.push_back(std::move(halves->second));
+    std::erase_if(pieces, [](const Piece& piece) { return !piece.hull; });
+  }
+  std::sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
+    return std::tie(a.low.z(), a.low.y(), a.low.x()) < std::tie(b.low.z(), b.low.y(), b.low.x());
+  });
+  return pieces;
+}
+
 }  // namespace
 
 double volume_of(const Surface& surface) {
@@ -404,43 +430,23 @@ double volume_of(const engine::Polyhedron& polyhedron) {
 
 std::vector<engine::Polyhedron> convex_pieces(const Surface& surface, std::size_t most,
                                               double added) {
+  constexpr double kNoOverlap = 1e-6;  // of the volume: of shells that only touch
   if (surface.triangles.empty()) refuse_surface("no triangles");
   const std::map<Directed, std::uint32_t> sides = sides_of(surface);
-  const Clipper clipper(surface);
-  const double size = (clipper.high() - clipper.low()).norm(), volume = volume_of(surface);
+  const Bounds box = bounds_of(surface);
+  const double size = (box.high - box.low).norm();
+  double volume = volume_of(surface);
   if (volume < 0.0)
     refuse_surface("turned inside out: its faces are clockwise from outside; flip its normals");
   if (!(volume > 1e-9 * size * size * size)) refuse_surface("has no volume");
   std::vector<Surface> bodies = bodies_of(surface, sides, 1e-9 * size * size * size);
   if (bodies.empty() || bodies.size() > most) bodies = {surface};
-  std::vector<Cutter> cutters;
-  std::vector<Piece> pieces;
-  for (const Surface& body : bodies) {
-    cutters.emplace_back(Clipper(body),
-                         bends_of(body, sides_of(body), engine::Polyhedron::kTolerance * size),
-                         volume_of(body));
-    pieces.push_back(cutters.back().whole());
-    pieces.back().body = cutters.size() - 1;
+  if (bodies.size() > 1) {
+    const double twice = overlap_of(surface, box, columns_for(surface));
+    if (twice > kNoOverlap * volume) volume -= twice;
   }
-  const auto by_added = [](const Piece& a, const Piece& b) {
-    return (a.done ? -1.0 : a.added) < (b.done ? -1.0 : b.added);
-  };
-  while (pieces.size() < most) {
-    double all = 0.0;
-    for (const Piece& piece : pieces) all += piece.added;
-    Piece& worst = *std::max_element(pieces.begin(), pieces.end(), by_added);
-    if (all <= added * volume || worst.done) break;
-    auto halves = cutters[worst.body].cut(worst);
-    worst.done = !halves;
-    if (!halves) continue;
-    halves->first.body = halves->second.body = worst.body;
-    worst = std::move(halves->first);
-    pieces.push_back(std::move(halves->second));
-    std::erase_if(pieces, [](const Piece& piece) { return !piece.hull; });
-  }
-  std::sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
-    return std::tie(a.low.z(), a.low.y(), a.low.x()) < std::tie(b.low.z(), b.low.y(), b.low.x());
-  });
+  std::vector<Piece> pieces =
+      pieces_of(bodies, engine::Polyhedron::kTolerance * size, added * volume, most);
   std::vector<engine::Polyhedron> hulls;
   for (Piece& piece : pieces) hulls.push_back(std::move(*piece.hull));
   return hulls;

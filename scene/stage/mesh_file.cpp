@@ -24,6 +24,7 @@
 #include "scene/stage/convex_hull.h"
 #include "scene/stage/convex_pieces.h"
 #include "scene/stage/mesh_text.h"
+#include "scene/stage/overlap.h"
 
 namespace headpin::scene {
 namespace {
@@ -459,10 +460,20 @@ std::vector<engine::Polyhedron> polyhedra_of(std::string_view bytes,
   });
 }
 
-double enclosed_volume(std::string_view bytes, const std::filesystem::path& path,
-                       const MeshMeasure& measure) {
+double added_by(std::span<const engine::Polyhedron> pieces, std::string_view bytes,
+                const std::filesystem::path& path, const MeshMeasure& measure) {
   const FromFile from(path.string(), measure);
-  return naming(path, [&] { return volume_of(read_surface(bytes, path, from)); });
+  return naming(path, [&] {
+    const Surface surface = read_surface(bytes, path, from);
+    const Bounds box = bounds_of(surface);
+    const std::size_t columns = columns_for(surface);
+    const auto enclosed_by = [&](const Surface& s) {
+      return volume_of(s) - overlap_of(s, box, columns);
+    };
+    Surface all;
+    for (const engine::Polyhedron& piece : pieces) append(all, surface_of(piece));
+    return enclosed_by(all) / enclosed_by(surface) - 1.0;
+  });
 }
 
 }  // namespace headpin::scene

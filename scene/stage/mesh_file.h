@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -58,10 +59,13 @@ std::vector<engine::Polyhedron> polyhedra_of(std::string_view bytes,
                                              const std::filesystem::path& path,
                                              const MeshMeasure& measure, std::size_t most);
 
-/// What all meshes of a file enclose [m^3], whether they are convex or not.
+/// How much volume pieces add to what all meshes of a file enclose, as a part of it; below 0 where they
+/// leave out more. What several shells or several pieces enclose counts once: measured there by overlap_of(),
+/// else exact.
 ///
+/// @param pieces  convex polyhedra that collide in place of the file
 /// @throws std::runtime_error, std::invalid_argument  as mesh_of()
-double enclosed_volume(std::string_view bytes, const std::filesystem::path& path,
-                       const MeshMeasure& measure);
+double added_by(std::span<const engine::Polyhedron> pieces, std::string_view bytes,
+                const std::filesystem::path& path, const MeshMeasure& measure);
 
 }  // namespace headpin::scene

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "base/sha256.h"
-#include "engine/compound.h"
 #include "scene/scenario/files.h"
 #include "scene/stage/mesh_file.h"
 
@@ -63,17 +62,6 @@ std::optional<std::string> bytes_if_there(MeshFile mesh) {
   } catch (const std::runtime_error&) {
     return std::nullopt;
   }
-}
-
-/// Of polyhedra [m^3], each for itself.
-double volume_of_pieces(const std::vector<const SkittlePart*>& pieces) {
-  std::vector<engine::Part> hulls;
-  for (const SkittlePart* piece : pieces) {
-    hulls.push_back({engine::Polyhedron(piece->corners, piece->faces), {}});
-  }
-  return engine::mass_properties(engine::make_compound(std::move(hulls)), 1.0,
-                                 engine::Overlaps::none)
-      .mass;
 }
 
 void make_absolute(MeshFile& mesh, const fs::path& folder) {
@@ -140,30 +128,27 @@ std::vector<std::string> not_convex(const Scenario& scenario) {
   // One mesh, with its unit and axes, may be several parts, each of one or more pieces.
   std::map<std::tuple<std::string, double, std::string>, std::vector<const SkittlePart*>> by_mesh;
   for (const SkittlePart& part : scenario.skittle.parts) {
-    if (part.shape == PartShape::polyhedron && !part.mesh.file.empty()) {
-      by_mesh[{part.mesh.file, part.mesh.unit, part.mesh.axes}].push_back(&part);
-    }
+    if (part.shape != PartShape::polyhedron || part.mesh.file.empty()) continue;
+    auto& pieces = by_mesh[{part.mesh.file, part.mesh.unit, part.mesh.axes}];
+    const auto same = [&](const SkittlePart* other) { return other->corners == part.corners; };
+    if (std::ranges::none_of(pieces, same)) pieces.push_back(&part);
   }
   std::vector<std::string> told;
   for (const auto& [key, pieces] : by_mesh) {
-    const SkittlePart& first = *pieces[0];
-    const MeshFile& mesh = first.mesh;
+    const MeshFile& mesh = pieces[0]->mesh;
     const std::optional<std::string> bytes = bytes_if_there(mesh);
     if (!bytes) continue;
-    const auto uses = static_cast<std::size_t>(std::ranges::count_if(
-        pieces, [&](const SkittlePart* piece) { return piece->corners == first.corners; }));
-    const std::size_t of_one = pieces.size() / uses;
-    if (of_one * uses != pieces.size()) continue;  // the second use is cut in another way
-    const double volume = enclosed_volume(*bytes, mesh.file, measure_of(mesh));
-    const double added =
-        std::max(0.0, volume_of_pieces(pieces) / (static_cast<double>(uses) * volume) - 1.0);
+    std::vector<engine::Polyhedron> hulls;
+    for (const SkittlePart* piece : pieces) hulls.emplace_back(piece->corners, piece->faces);
+    const double added = std::max(0.0, added_by(hulls, *bytes, mesh.file, measure_of(mesh)));
     constexpr double kRounding = 1e-4;  // of coordinates that a file gives with four digits
-    if (of_one == 1 && added < kRounding) continue;
+    const std::size_t count = pieces.size();
+    if (count == 1 && added < kRounding) continue;
     told.push_back(
         fmt::format("skittle.parts: {}: not convex: {} convex piece{} collide{} in its place, with "
                     "{:.1f} % more volume",
-                    fs::path(mesh.file).filename().string(), of_one, of_one == 1 ? "" : "s",
-                    of_one == 1 ? "s" : "", 100.0 * added));
+                    fs::path(mesh.file).filename().string(), count, count == 1 ? "" : "s",
+                    count == 1 ? "s" : "", 100.0 * added));
   }
   return told;
 }

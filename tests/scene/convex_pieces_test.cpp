@@ -274,6 +274,20 @@ TEST(ConvexPieces, OfMoreShellsThanPiecesAreCutAsOfOne) {
   EXPECT_LE(convex_pieces(steps, 5).size(), 5u);
 }
 
+// Shells that overlap hold less than their sum, of which 1 % would be reached sooner.
+TEST(ConvexPieces, OfShellsThatOverlapAddLittleToWhatTheyHoldTogether) {
+  const double tooth = 0.0018;  // of a ridge along the block: its hull adds 0.9 % of it
+  const Surface ridged =
+      prism_over({{0.0, 0.0}, {0.1, 0.0}, {0.1, 0.1}, {0.05, 0.1 - tooth}, {0.0, 0.1}}, 0.3,
+                 {{0, 1, 3}, {1, 2, 3}, {0, 3, 4}});
+  EXPECT_EQ(convex_pieces(ridged, 16).size(), 1u);
+  const Surface twice = both(ridged, box({0.0, 0.0, 0.0}, {0.1, 0.09, 0.3}));
+  EXPECT_EQ(convex_pieces(twice, 16).size(), 2u);
+  Surface dented = ridged;
+  dented.points[3].y() = dented.points[8].y() = 0.1 - 1.4 * tooth;  // 1.3 % of it, 0.7 % of the sum
+  EXPECT_EQ(convex_pieces(both(dented, box({0.0, 0.0, 0.0}, {0.1, 0.09, 0.3})), 16).size(), 3u);
+}
+
 TEST(ConvexPieces, AreTheSameEachTime) {
   const Surface spool = turned(kSpool, 24);
   const auto once = convex_pieces(spool, 16), again = convex_pieces(spool, 16);

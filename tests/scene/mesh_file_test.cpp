@@ -16,6 +16,7 @@
 #include "scene/looks/skittle_mesh.h"
 #include "scene/stage/apart.h"
 #include "scene/stage/bodies.h"
+#include "scene/stage/convex_hull.h"
 #include "scene/stage/mesh_text.h"
 #include "scene/stage/outline.h"
 #include "tests/support/folder.h"
@@ -66,11 +67,53 @@ TEST(MeshFile, OfADentedCubeIsSeveralPolyhedra) {
   std::string dented = kCube;
   dented.replace(dented.find("v 2 2 2"), 7, "v 0.5 0.5 0.5");
   const std::filesystem::path path = file("headpin_dented.obj", dented);
-  const double volume = enclosed_volume(read_mesh_file(path), path, {});
-  EXPECT_LT(volume, 8.0);
   const auto pieces = polyhedra_of(read_mesh_file(path), path, {}, 16);
   EXPECT_GT(pieces.size(), 1u);
-  EXPECT_EQ(polyhedra_of(read_mesh_file(path), path, {}, 1).size(), 1u);
+  const auto hull = polyhedra_of(read_mesh_file(path), path, {}, 1);
+  EXPECT_EQ(hull.size(), 1u);
+  const double by_pieces = added_by(pieces, read_mesh_file(path), path, {}),
+               by_hull = added_by(hull, read_mesh_file(path), path, {});
+  EXPECT_GE(by_pieces, 0.0);
+  EXPECT_LT(by_pieces, by_hull);
+}
+
+/// Corners and faces of a box in an OBJ that has `before` corners already.
+std::string obj_of_box(const Vec3& low, const Vec3& high, int before) {
+  std::string text;
+  for (int i = 0; i < 8; ++i) {
+    text += fmt::format("v {} {} {}\n", (i & 1) != 0 ? high.x() : low.x(),
+                        (i & 2) != 0 ? high.y() : low.y(), (i & 4) != 0 ? high.z() : low.z());
+  }
+  for (const auto& [a, b, c, d] : {std::array{1, 3, 4, 2},
+                                   {5, 6, 8, 7},
+                                   {1, 2, 6, 5},
+                                   {3, 7, 8, 4},
+                                   {1, 5, 7, 3},
+                                   {2, 4, 8, 6}}) {
+    text += fmt::format("f {} {} {} {}\n", a + before, b + before, c + before, d + before);
+  }
+  return text;
+}
+
+// What is in two shells, or in two pieces, counts once.
+TEST(MeshFile, TellsHowMuchPiecesAddToShellsThatOverlap) {
+  const std::filesystem::path path =
+      file("headpin_overlapping.obj",
+           obj_of_box({0, 0, 0}, {2, 2, 2}, 0) + obj_of_box({1, 0, 0}, {3, 2, 2}, 8));
+  const auto box_to = [](double x) {
+    std::vector<Vec3> corners;
+    for (int i = 0; i < 8; ++i) {
+      corners.emplace_back((i & 1) != 0 ? x : 0.0, (i & 2) != 0 ? 2.0 : 0.0,
+                           (i & 4) != 0 ? 2.0 : 0.0);
+    }
+    return convex_hull(corners);
+  };
+  const std::string bytes = read_mesh_file(path);
+  EXPECT_NEAR(added_by(std::vector{box_to(3.0)}, bytes, path, {}), 0.0, 1e-3);
+  EXPECT_NEAR(added_by(std::vector{box_to(3.3)}, bytes, path, {}), 0.1, 1e-3);
+  EXPECT_NEAR(added_by(std::vector{box_to(3.3), box_to(3.0)}, bytes, path, {}), 0.1, 1e-3);
+  EXPECT_NEAR(added_by(std::vector{box_to(2.0)}, bytes, path, {}), -1.0 / 3.0, 1e-3);
+  EXPECT_NEAR(added_by(polyhedra_of(bytes, path, {}, 16), bytes, path, {}), 0.0, 1e-12);
 }
 
 // STL repeats every corner in every triangle.
