@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "scene/stage/convex_hull.h"
+#include "scene/stage/merged_pieces.h"
 #include "scene/stage/overlap.h"
 
 namespace headpin::scene {
@@ -440,16 +441,18 @@ std::vector<engine::Polyhedron> convex_pieces(const Surface& surface, std::size_
     refuse_surface("turned inside out: its faces are clockwise from outside; flip its normals");
   if (!(volume > 1e-9 * size * size * size)) refuse_surface("has no volume");
   std::vector<Surface> bodies = bodies_of(surface, sides, 1e-9 * size * size * size);
-  if (bodies.empty() || bodies.size() > most) bodies = {surface};
+  if (bodies.empty() || most == 1) bodies = {surface};
   if (bodies.size() > 1) {
     const double twice = overlap_of(surface, box, columns_for(surface));
     if (twice > kNoOverlap * volume) volume -= twice;
   }
-  std::vector<Piece> pieces =
-      pieces_of(bodies, engine::Polyhedron::kTolerance * size, added * volume, most);
+  // Of more bodies than pieces, a bent one is cut before those are merged that lose least by it.
+  const bool too_many = bodies.size() > most;
+  std::vector<Piece> pieces = pieces_of(bodies, engine::Polyhedron::kTolerance * size,
+                                        added * volume, too_many ? bodies.size() + most : most);
   std::vector<engine::Polyhedron> hulls;
   for (Piece& piece : pieces) hulls.push_back(std::move(*piece.hull));
-  return hulls;
+  return too_many ? merged_pieces(hulls, most) : hulls;
 }
 
 }  // namespace headpin::scene

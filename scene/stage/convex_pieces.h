@@ -26,7 +26,9 @@ double volume_of(const engine::Polyhedron& polyhedron);
 /// The box around it is cut by planes across its axes, at edges where the surface bends inwards, and
 /// each piece is the hull of what a cell of the box contains. The cell whose hull adds most volume is
 /// cut first, where the hulls of its halves add least, until all hulls add less than `added` of the
-/// volume, or there are `most` pieces. The pieces do not overlap.
+/// volume, or there are `most` pieces. The pieces do not overlap. A surface of several closed shells is cut
+/// shell by shell, and pieces overlap where shells do; of more than `most` shells, those pieces become one
+/// whose common hull adds least.
 ///
 /// @param most   number of pieces, 1 or more; with 1 it is the hull
 /// @param added  part of the volume [1]

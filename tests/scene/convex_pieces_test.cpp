@@ -266,12 +266,60 @@ TEST(ConvexPieces, OfTwoSpecksFarApartAreMadeOrRefused) {
   EXPECT_EQ(convex_pieces(two, 16).size(), 1u);
 }
 
-TEST(ConvexPieces, OfMoreShellsThanPiecesAreCutAsOfOne) {
+/// Little blocks on a round way about a pole on a plate; nothing overlaps.
+Surface studded_plate(int blocks, double half) {
+  Surface all = both(box({-0.08, -0.08, 0.0}, {0.08, 0.08, 0.03}),
+                     box({-0.015, -0.015, 0.03}, {0.015, 0.015, 0.38}));
+  for (int i = 0; i < blocks; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / blocks;
+    const Vec3 p(0.06 * std::cos(angle), 0.06 * std::sin(angle), 0.03);
+    all = both(all, box(p - Vec3(half, half, 0.0), p + Vec3(half, half, 0.015)));
+  }
+  return all;
+}
+
+// Two that are near each other become one, and the others stay.
+TEST(ConvexPieces, OfMoreShellsThanPiecesAreMergedWhereThatAddsLeast) {
   Surface steps = box({0.0, 0.0, 0.0}, {0.01, 0.05, 0.05});
   for (int k = 1; k < 6; ++k)
     steps = both(steps, box({0.02 * k, 0.0, 0.0}, {0.02 * k + 0.01, 0.05, 0.05}));
+  const double one = 0.01 * 0.05 * 0.05;
   EXPECT_EQ(convex_pieces(steps, 6).size(), 6u);
-  EXPECT_LE(convex_pieces(steps, 5).size(), 5u);
+  const auto five = convex_pieces(steps, 5);
+  EXPECT_EQ(five.size(), 5u);
+  EXPECT_NEAR(volume_of_all(five), 7.0 * one, 1e-9 * one);
+  const auto hull = convex_pieces(steps, 1);
+  ASSERT_EQ(hull.size(), 1u);
+  EXPECT_NEAR(volume_of_all(hull), 11.0 * one, 1e-9 * one);
+
+  const std::pair<Surface, double> cases[] = {{studded_plate(15, 0.006), 0.005},
+                                              {studded_plate(30, 0.003), 0.02},
+                                              {studded_plate(120, 0.001), 0.02}};
+  for (const auto& [plate, most_added] : cases) {
+    const auto pieces = convex_pieces(plate, 16);
+    EXPECT_EQ(pieces.size(), 16u);
+    EXPECT_GE(volume_of_all(pieces), volume_of(plate));
+    EXPECT_LE(volume_of_all(pieces), (1.0 + most_added) * volume_of(plate));
+    for (const Vec3& p : plate.points) {
+      EXPECT_TRUE(std::ranges::any_of(pieces, [&](const auto& piece) {
+        return outside(piece, p) < 1e-9;
+      })) << p.transpose();
+    }
+  }
+}
+
+// A bent one is cut before others are merged.
+TEST(ConvexPieces, OfMoreShellsThanPiecesAreThoseOfTheBentOnes) {
+  Surface all = ell();
+  double truth = 0.75 * 0.1 * 0.1 * 0.3;
+  for (int k = 0; k < 16; ++k) {
+    const Vec3 low(0.1 + 0.012 * k, 0.0, 0.0), high = low + Vec3(0.01, 0.01, 0.01);
+    all = both(all, box(low, high));
+    truth += 1e-6;
+  }
+  const auto pieces = convex_pieces(all, 16);
+  EXPECT_EQ(pieces.size(), 16u);
+  EXPECT_NEAR(volume_of_all(pieces), truth + 2.0 * 0.002 * 1e-4, 1e-9 * truth);
 }
 
 // Shells that overlap hold less than their sum, of which 1 % would be reached sooner.
