@@ -162,6 +162,13 @@ std::vector<Surface> bodies_of(const Surface& surface,
     }
     append(bodies[*around], hole);
   }
+  for (const Surface& body : bodies) {
+    if (volume_of(body) > nothing) continue;
+    const Vec3& p = body.points[0];
+    refuse_surface(fmt::format(
+        "holes take all of a part of it, at {:.4g}, {:.4g}, {:.4g} m; expected holes that do not overlap",
+        p.x(), p.y(), p.z()));
+  }
   return bodies;
 }
 

@@ -258,6 +258,15 @@ TEST(ConvexPieces, OfAShellInsideOutAreAHoleOrRefused) {
               HasSubstr("a part of it is turned inside out, at 0.21, 0, 0"));
 }
 
+// Two holes in one place are counted twice, and leave the box less than nothing; another box has enough.
+TEST(ConvexPieces, OfHolesThatTakeABoxWholeAreRefused) {
+  const Surface base = box({-0.05, -0.05, 0.0}, {0.05, 0.05, 0.1});
+  const Surface hole = inside_out(box({-0.045, -0.045, 0.005}, {0.045, 0.045, 0.095}));
+  const Surface beside = box({0.2, 0.0, 0.0}, {0.4, 0.2, 0.2});
+  EXPECT_THAT(refusal(both(both(both(base, hole), hole), beside)),
+              HasSubstr("holes take all of a part of it, at -0.05, -0.05, 0 m"));
+}
+
 // Each alone is too small to be a body, together they are not.
 TEST(ConvexPieces, OfTwoSpecksFarApartAreMadeOrRefused) {
   const double speck = 8.9e-4;
