@@ -258,6 +258,9 @@ devices::MotionOptions declared(const ImportOptions& options) {
   if (!options.rotations.empty()) read_rotations({options.rotations, "--rotations"}, motion);
   motion.only_hand_is_left = options.hand == "left";
   motion.no_hand = options.hand == "none";
+  if (options.hand == "left" || options.hand == "right") {
+    motion.left_throws = options.hand == "left";
+  }
   if (!options.transmitter.empty())
     motion.p_origin = read_place({options.transmitter, "--transmitter"});
   if (!options.head.empty()) motion.p_head = read_place({options.head, "--head"});

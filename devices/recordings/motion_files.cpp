@@ -13,6 +13,7 @@
 #include "devices/log/event_log.h"
 #include "devices/recordings/any_table.h"
 #include "devices/recordings/motion_bids.h"
+#include "devices/recordings/same_times.h"
 #include "devices/recordings/table_motion.h"
 #include "devices/recordings/text_encoding.h"
 #include "devices/recordings/text_table.h"
@@ -46,22 +47,21 @@ std::vector<const PoseTrack*> tracks_of(const Tracks& tracks, std::size_t part,
   return found;
 }
 
-/// Head, left and right hand; null for a hand that was not tracked.
-using Parts = std::array<const PoseTrack*, 3>;
-
 /// Sensors without words in their names are numbered: head, left, right; or head and the only hand.
-std::optional<Parts> numbered(const Tracks& tracks, bool only_hand_is_left) {
+std::optional<PartTracks> numbered(const Tracks& tracks, bool only_hand_is_left) {
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     if (!tracks[i].first.ends_with(":" + std::to_string(i))) return std::nullopt;
   }
-  if (tracks.size() == 3) return Parts{&tracks[0].second, &tracks[1].second, &tracks[2].second};
+  if (tracks.size() == 3)
+    return PartTracks{&tracks[0].second, &tracks[1].second, &tracks[2].second};
   if (tracks.size() != 2) return std::nullopt;
-  Parts parts{&tracks[0].second, nullptr, nullptr};
+  PartTracks parts{&tracks[0].second, nullptr, nullptr};
   parts[only_hand_is_left ? 1 : 2] = &tracks[1].second;
   return parts;
 }
 
-Parts find_parts(const MotionTracks& read, const MotionOptions& options, const std::string& where) {
+PartTracks find_parts(const MotionTracks& read, const MotionOptions& options,
+                      const std::string& where) {
   const Tracks& tracks = read.tracks;
   const bool named = std::ranges::any_of(options.names, [](auto& name) { return !name.empty(); });
   std::array<std::vector<const PoseTrack*>, 3> found;
@@ -80,7 +80,7 @@ Parts find_parts(const MotionTracks& read, const MotionOptions& options, const s
         fmt::format("{}: expected one {} among {}; found {}", where, expected,
                     names.empty() ? "nothing" : fmt::format("{}", fmt::join(names, ", ")), count));
   };
-  Parts parts{};
+  PartTracks parts{};
   for (std::size_t part = 0; part < 3; ++part) {
     const bool needed = part == 0 ? !options.p_head : !options.names[part].empty();
     if (found[part].size() > 1 || (needed && found[part].empty())) {
@@ -359,15 +359,18 @@ const MotionFormat* format_of(const std::string& path) {
 MotionRecording recording_of(const MotionTracks& read, const MotionOptions& options,
                              const std::string& where) {
   const auto [head, left, right] = find_parts(read, options, where);
-  const PoseTrack fixed = options.p_head && (left || right)
-                              ? standing(*options.p_head - options.p_origin, left ? *left : *right)
-                              : PoseTrack{};
-  MotionRecording recording = together(options.p_head ? fixed : *head, left, right, where);
+  const std::size_t thrower = throwing_part({head, left, right}, options.left_throws);
+  const PoseTrack fixed =
+      options.p_head && thrower != 0
+          ? standing(*options.p_head - options.p_origin, thrower == 1 ? *left : *right)
+          : PoseTrack{};
+  const PartTracks parts = {options.p_head ? &fixed : head, left, right};
+  MotionRecording recording = together(parts, options.no_hand ? 0 : thrower, where);
   if (read.since_start) {
     for (Time& time : recording.times) time += recording.start;
     recording.start = Time{};
   }
-  recording.notes = read.notes;
+  recording.notes.insert(recording.notes.begin(), read.notes.begin(), read.notes.end());
   recording.reading = read.reading;
   recording.triggers = read.triggers;
   for (auto& trigger : recording.triggers) {
@@ -391,49 +394,6 @@ MotionRecording read_motion(const std::string& path, const MotionOptions& option
     return counted_from(options.p_origin, recording_of(read, options, path));
   }
   refuse_unknown(path);
-}
-
-MotionRecording together(const PoseTrack& head, const PoseTrack* left, const PoseTrack* right,
-                         std::string_view where) {
-  const Parts tracks = {&head, left, right};
-  Time begin = Time::min(), end = Time::max();
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (!tracks[i]) continue;
-    const std::vector<Stamped<Pose>>& samples = tracks[i]->samples();
-    if (samples.empty()) {
-      throw std::invalid_argument(fmt::format("{}: no samples of the {}", where, kPartNames[i]));
-    }
-    begin = std::max(begin, samples.front().time);
-    end = std::min(end, samples.back().time);
-  }
-  constexpr Time kLongestMixed{100'000};  // as long as any gap may be
-  for (std::size_t i = 1; i < 3; ++i) {
-    if (!tracks[i]) continue;
-    const std::vector<Stamped<Pose>>& samples = tracks[i]->samples();
-    for (std::size_t k = 1; k < samples.size(); ++k) {
-      const Time from = samples[k - 1].time, gap = samples[k].time - from;
-      if (gap <= kLongestMixed || from >= end || samples[k].time <= begin) continue;
-      const auto mixed = std::ranges::upper_bound(head.samples(), from, {}, &Stamped<Pose>::time);
-      if (mixed == head.samples().end() || mixed->time >= samples[k].time) continue;
-      throw std::invalid_argument(fmt::format(
-          "{}: no samples of the {} for {:.3g} s from {:.3g} s, expected no gap above 0.1 s", where,
-          kPartNames[i], seconds(gap), seconds(from)));
-    }
-  }
-  MotionRecording recording;
-  recording.start = begin;
-  for (const Stamped<Pose>& sample : head.samples()) {
-    if (sample.time < begin || sample.time > end) continue;
-    recording.times.push_back(sample.time - begin);
-    recording.head.push_back(sample.value);
-    if (left) recording.left_hand.push_back(*left->at(sample.time));
-    if (right) recording.right_hand.push_back(*right->at(sample.time));
-  }
-  if (recording.times.empty()) {
-    throw std::invalid_argument(
-        fmt::format("{}: head and hands were never recorded at the same time", where));
-  }
-  return recording;
 }
 
 }  // namespace headpin::devices

@@ -35,6 +35,8 @@ struct MotionOptions {
   /// Place of a head that was not recorded, in our frame [m]. Its rotation is not known.
   std::optional<Vec3> p_head = {};
   bool no_hand = false;  ///< a recording of the head alone is accepted
+  /// Which hand throws: its times are those of the recording. Otherwise the faster one is taken.
+  std::optional<bool> left_throws = {};
 
   // For tables alone.
   ToldColumns columns = {};
@@ -110,13 +112,5 @@ MotionRecording read_motion(const std::string& path, const MotionOptions& option
 /// @throws std::invalid_argument  as `together`
 MotionRecording recording_of(const MotionTracks& read, const MotionOptions& options,
                              const std::string& where);
-
-/// Head and hands at the same times: the times of the head while all are tracked, with interpolated
-/// hands.
-///
-/// @param left, right  null for one that was not tracked
-/// @throws std::invalid_argument  when there is no such time
-MotionRecording together(const PoseTrack& head, const PoseTrack* left, const PoseTrack* right,
-                         std::string_view where);
 
 }  // namespace headpin::devices

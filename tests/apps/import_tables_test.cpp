@@ -284,6 +284,33 @@ TEST_F(ImportTables, AnObjectsRowsAreItsOwn) {
   EXPECT_THAT(refused.err, Not(HasSubstr("time of another")));
 }
 
+// The samples of the hand are the throw. A head at half their rate is interpolated.
+TEST_F(ImportTables, AHeadOfAnotherRateLeavesTheThrowAsItIs) {
+  const ForeignTable plain = table("plain");
+  const auto told = [&](std::size_t every) {
+    std::string text = "time,device,x,y,z,qx,qy,qz,qw\n";
+    for (std::size_t i = 0; i < even_.times.size(); ++i) {
+      for (const std::string thing : {"head", "right"}) {
+        if (thing == "head" && i % every != 0 && i + 1 < even_.times.size()) continue;
+        text += plain.time(even_.times[i]) + "," + (thing == "head" ? "HMD" : "right_hand");
+        for (const char* cell : {".x", ".y", ".z", ".qx", ".qy", ".qz", ".qw"})
+          text += "," + foreign_cell(plain, even_, i, thing + cell, {}, {});
+        text += "\n";
+      }
+    }
+    spit(folder_ / "t.csv", text);
+    return json("import t.csv -o t.lcmlog --force --json");
+  };
+  const nlohmann::json full = told(1), half = told(2);
+  EXPECT_EQ(full["samples"], even_.times.size());
+  for (const char* key : {"samples", "release_s", "grab_s", "peak_hand_speed_mps"})
+    EXPECT_EQ(half[key], full[key]) << key;
+  EXPECT_NEAR(half["release_speed_mps"].get<double>(), full["release_speed_mps"].get<double>(),
+              1e-9);
+  EXPECT_THAT(half["notes"].dump(), HasSubstr("samples of the head are interpolated at the"));
+  EXPECT_THAT(full["notes"].dump(), Not(HasSubstr("interpolated at")));
+}
+
 TEST_F(ImportTables, ARecordingThatEndsTooSoonForTheSkittlesSaysSo) {
   EXPECT_EQ(headpin("import " + kBundledThrow + " -o a.lcmlog").err, "");
   while (even_.times.back() > Time{4'600'000}) {

@@ -260,34 +260,6 @@ TEST(MotionFiles, WhateverAVrpnLogHoldsItIsReadOrRefused) {
   }
 }
 
-// A hand whose samples lie between those of the head is read at the head's times.
-TEST(MotionFiles, HeadAndHandsComeTogether) {
-  PoseTrack head, left, right;
-  for (int i = 0; i < 100; ++i) {
-    head.push(Time{10'000 * i}, {});
-    left.push(Time{10'000 * i + 200'000}, {});
-    right.push(Time{10'000 * i + 3'000},
-               {Quat::Identity(), Vec3(0.01 * i + 0.003, 0, 0)});  // 1 m/s
-  }
-  const MotionRecording r = together(head, &left, &right, "x");
-  ASSERT_EQ(r.times.size(), 80u);
-  EXPECT_EQ(r.times.front(), Time{});
-  EXPECT_NEAR(r.right_hand[0].p.x(), 0.2, 1e-12);
-  EXPECT_NEAR(r.right_hand[79].p.x(), 0.99, 1e-12);
-  PoseTrack holed = right, late;
-  holed.push(Time{1'500'000}, {});
-  head.push(Time{1'300'000}, {});
-  head.push(Time{1'600'000}, {});
-  left.push(Time{1'600'000}, {});
-  EXPECT_EQ(complaint([&] { together(head, &right, &holed, "x"); }), "");
-  EXPECT_THAT(complaint([&] { together(head, &left, &holed, "x"); }),
-              HasSubstr("no samples of the left hand for"));
-  EXPECT_THAT(complaint([&] { together(head, &left, &late, "x"); }),
-              HasSubstr("no samples of the right hand"));
-  late.push(Time{9'000'000}, {});
-  EXPECT_THAT(complaint([&] { together(head, &head, &late, "x"); }), HasSubstr("never recorded"));
-}
-
 /// Files of a test, read by their names.
 class MotionFilesIn : public testing::Test {
  protected:

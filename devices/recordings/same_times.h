@@ -1,0 +1,32 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
+#include "devices/base/resample.h"
+#include "devices/recordings/motion_recording.h"
+
+/// Head and hands, each with its own times, as one recording.
+namespace headpin::devices {
+
+/// Head, left and right hand, as kPartNames; null for one that was not tracked.
+using PartTracks = std::array<const PoseTrack*, 3>;
+
+/// The part that throws: the only hand, the told one, or the one that is faster at its fastest. Without
+/// hands it is the head.
+std::size_t throwing_part(const PartTracks& tracks, std::optional<bool> left_throws = {});
+
+/// Head and hands at the times of one of them, while all are tracked. The others are interpolated.
+///
+/// Samples in a gap of the head above 0.1 s are left out. Notes say so, and tell tracks that have
+/// another rate.
+///
+/// @param tracks  with a head
+/// @param timer   whose times are taken: throwing_part(), so that each of its samples is kept
+/// @throws std::invalid_argument  when all were never tracked at the same time, or a hand was not for
+///                                longer than 0.1 s while the head was
+MotionRecording together(const PartTracks& tracks, std::size_t timer, std::string_view where);
+
+}  // namespace headpin::devices
