@@ -17,7 +17,8 @@ const std::vector<ResultColumn>& result_columns() {
       {"impact_speed_mps", "m/s", "of the same ball just before its first skittle"},
       {"entry_angle_deg", "degrees", "of its level velocity then, to the right of straight on"},
       {"ball_speed_mps", "m/s", "of the same ball at the end"},
-      {"energy_lost_j", "J", "that impacts, lasting contacts and overlaps took away"},
+      {"energy_lost_j", "J",
+       "that contacts took away: hand_j of the ledger less the energy at the end"},
       {"rest_s", "s", "when the last body came to rest; empty where one moves at the end"},
       {"apart_arcmin", "arcmin",
        "largest angle in view between a body and its place under the recorded condition"},
@@ -59,7 +60,8 @@ std::vector<std::string> Result::cells(const scene::Session& session) const {
   };
   const auto& statistics = session.statistics;
   const auto& ledger = session.world.ledger;
-  const double lost = -(ledger.impact.energy + ledger.sustained.energy + ledger.correction.energy);
+  // With `gravity`: what a resting body gains there, `sustained` takes away again.
+  const double lost = ledger.hand.energy - ledger.sum().energy;
   std::optional<double> angle, ball_speed, rest;
   if (!score_.throws.empty()) {
     const scene::ThrowRow& first = score_.throws.front();
