@@ -8,7 +8,7 @@ namespace headpin::apps {
 namespace {
 
 constexpr auto kKeys = std::to_array<JsonKey>({
-    {"a", "first of the two trials that are compared"},
+    {"a", "the first of two that are compared: its name, results, or value"},
     {"activity", "what a source is doing now"},
     {"answer", "what the eyes can tell apart, in sentences"},
     {"answers", "number of answers that a participant has given"},
@@ -24,7 +24,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"axis_rotation_deg",
      "axis rotation of a ball at its release: 0 rolls ahead, 90 hooks to the left"},
     {"axis_tilt_deg", "tilt of the axis of a ball's spin out of the level at its release"},
-    {"b", "second of the two trials that are compared"},
+    {"b", "the second of two that are compared: its name, results, or value"},
     {"backwards",
      "samples that are not later than the sample before of the same device; they are kept"},
     {"bad", "samples that the device itself flags as bad"},
@@ -118,7 +118,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
      "direction of a ball when it met its first skittle, to the right of the lane's axis"},
     {"entry_board",
      "board of a ball just before its first skittle, or where it passed the head pin's spot if it "
-     "touched none on its way ahead"},
+     "touched none on its way ahead; null if it had left the lane sideways before"},
     {"entry_revs_per_min", "revolutions per minute of a ball's spin there"},
     {"entry_s", "time at which the ball met its first skittle"},
     {"environment", "environment variables that Mesa reads: LP_*, GALLIUM_*, MESA_*"},
@@ -257,7 +257,9 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"missing", "what a throw needs and was not found in the table"},
     {"moments", "number of simulated moments of the release"},
     {"moved", "true if head or hand accelerated away by 4 m/s2 or more"},
-    {"name", "version of the game: red, blue, or empty if there are no versions"},
+    {"name",
+     "of a throw or game: its version, red, blue, or empty if there are no versions; of a column of "
+     "a table: its name"},
     {"new_answers", "number of answers that were added"},
     {"new_participants", "number of participants that were added to a plan"},
     {"new_throws", "throws of the replay that the recording does not have"},
@@ -299,7 +301,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
      "speed of the ball that was asked for; release_speed_mps is the speed that a session finds "
      "from the samples"},
     {"points", "points of a game under its rules"},
-    {"position_m", "centre of the ball at its release, in the world"},
+    {"position_m", "centre of the ball at the time of its release, in the world"},
     {"power", "statistical power of a study, by its number of people"},
     {"primitives", "primitives of a skittle"},
     {"problem", "why the file cannot be imported"},
@@ -314,7 +316,9 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"records", "records that a Fastrak sent"},
     {"red", "the red one of the game's two versions"},
     {"refused", "commands that the emulated unit refused"},
-    {"release_s", "time at which the ball was released"},
+    {"release_s",
+     "when the ball was released: of a throw of a session as release_time_s in throws.csv; from "
+     "import and synthesize as trigger_time_s"},
     {"release_speed_mps", "speed of the ball at its release; of a trial: of its first ball"},
     {"releases",
      "releases of a trial: their times, and the times at which they would have been fastest"},

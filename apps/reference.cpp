@@ -50,7 +50,10 @@ std::string tables_page() {
       "# Every column of `headpin export`\n\n{}The tables are CSV files as in RFC 4180: one line "
       "of names, then one row per observation. Numbers have the fewest digits that read\nback to "
       "the same bits; times are exact. `yes/no` is 1 or 0, a `hash` has 16 hexadecimal digits. "
-      "Every export has this list as `columns.csv`.\n",
+      "Every export has this list as `columns.csv`.\n\nStates, events and frames are those of the "
+      "session, which uses poses and buttons `rig.delay_s` after they were measured (0.025 s in "
+      "trials\nof `synthesize`, 0.028 s in imported throws). Add it to the times of trackers.csv "
+      "before you compare their rows with those of states.csv.\n",
       kWritten);
   std::string table;
   for (const scene::TableColumn& c : scene::table_columns()) {

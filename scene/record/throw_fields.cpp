@@ -71,7 +71,7 @@ std::vector<TableField<ThrowRow>> lane_fields() {
        of_breakpoint<&LanePlace::distance>},
       {"entry_board", "number", "",
        "board of its centre just before its first skittle, or where it passed the head pin's spot if "
-       "it touched none on its way ahead",
+       "it touched none on its way ahead; empty if it had left the lane sideways before",
        of_entry<&Delivered::board>},
       {"entry_revs_per_min", "number", "1/min", "revolutions per minute of its spin there",
        of_entry<&Delivered::revs_per_min>},
@@ -109,19 +109,20 @@ std::vector<TableField<ThrowRow>> throw_fields() {
              {"body", "text", "", "name of the ball",
               [](const Row& r) -> TableValue { return r.body; }},
              {"release_time_s", "number", "s",
-              "time of the tick of the release, on the trial's clock",
+              "when the ball left the hand in the session: rig.delay_s after trigger_time_s; the time "
+              "of the tick under release_at = sample and in older trials",
               [](const Row& r) -> TableValue { return r.release; }},
              {"trigger_time_s", "number", "s",
               "time at which the trigger was released, as its device measured it; empty in older "
               "trials, like the vectors",
               [](const Row& r) { return maybe(r.trigger_s); }}} +
          maybe_vector_fields<[](const Row& r) { return r.p_WB; }, Row>(
-             "x_m", "y_m", "z_m", "m", "centre of the ball at that time, in the world") +
+             "x_m", "y_m", "z_m", "m", "centre of the ball at release_time_s, in the world") +
          maybe_vector_fields<[](const Row& r) { return r.v_WB; }, Row>(
-             "vx_mps", "vy_mps", "vz_mps", "m/s", "velocity of the ball at that time") +
+             "vx_mps", "vy_mps", "vz_mps", "m/s", "velocity of the ball at release_time_s") +
          maybe_vector_fields<[](const Row& r) { return r.w_WB; }, Row>(
              "wx_radps", "wy_radps", "wz_radps", "rad/s",
-             "angular velocity of the ball at that time") +
+             "angular velocity of the ball at release_time_s") +
          std::vector<TableField<Row>>{
              {"speed_mps", "number", "m/s", "speed of the ball at its release",
               [](const Row& r) -> TableValue { return r.speed; }},
