@@ -112,7 +112,7 @@ inline constexpr auto kEventKinds = std::to_array<EventKind>({
      "its centre", "closest approach of its surface to head, hand or body [m]"},
     {kind::tracking_lost,
      "head or hand (detail) has had no usable sample for 0.25 s: its last pose stays. If "
-     "`rig.away_after_s` is not 0, the hand is away after that time",
+     "`rig.away_after_s` is not 0, it is that time for the hand, which then is away",
      "", "time since its last sample [s]"},
     {kind::tracking_back, "head or hand (detail) has a usable sample again", "",
      "time without one [s]"},

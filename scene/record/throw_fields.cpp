@@ -110,7 +110,7 @@ std::vector<TableField<ThrowRow>> throw_fields() {
               [](const Row& r) -> TableValue { return r.body; }},
              {"release_time_s", "number", "s",
               "when the ball left the hand in the session: rig.delay_s after trigger_time_s; the time "
-              "of the tick under release_at = sample and in older trials",
+              "of the tick with hand.release_at = sample and in older trials",
               [](const Row& r) -> TableValue { return r.release; }},
              {"trigger_time_s", "number", "s",
               "time at which the trigger was released, as its device measured it; empty in older "
