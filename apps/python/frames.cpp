@@ -278,7 +278,9 @@ void add_frames(py::module_& module) {
           },
           "What each pixel's centre shows: uint8, shape (height, width). 0 nothing, 1 room, 2 "
           "hand, 3 stand,\n"
-          "4 button, 5 head, 10 and on balls, 100 and on skittles. None unless it was asked for.");
+          "4 button, 5 head, 6 score board, from 10 balls, from 100 skittles; a picture with a 157th "
+          "skittle (256)\n"
+          "is refused. None unless it was asked for.");
   add_cameras(frame);
 }
 
