@@ -18,7 +18,7 @@ struct ThrowRow {
   std::string version;                   ///< red or blue; empty where there are none
   int frame = 0, ball = 0;               ///< from 1; 0 where it was not counted
   std::string body;                      ///< which ball
-  Time release{};                        ///< of the tick that let it go
+  Time release{};                        ///< when it left the hand, in the session
   std::optional<double> trigger_s;       ///< when the trigger was let go, as its device tells it
   std::optional<Vec3> p_WB, v_WB, w_WB;  ///< of the ball then, in the world
   double speed = 0.0;                    ///< [m/s]
