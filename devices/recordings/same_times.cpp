@@ -89,6 +89,17 @@ std::size_t throwing_part(const PartTracks& tracks, std::optional<bool> left_thr
   return left_throws.value_or(top_speed(*left) > top_speed(*right)) ? 1 : 2;
 }
 
+std::size_t timing_part(const PartTracks& tracks, std::size_t thrower) {
+  constexpr double kFastest = 250.0;  // samples a second
+  const auto is_too_fast = [](const PoseTrack& track) {
+    const std::vector<Stamped<Pose>>& all = track.samples();
+    if (all.size() < 2) return false;
+    const double spans = static_cast<double>(all.size() - 1);
+    return spans > kFastest * seconds(all.back().time - all.front().time);
+  };
+  return is_too_fast(*tracks[thrower]) && !is_too_fast(*tracks[0]) ? 0 : thrower;
+}
+
 MotionRecording together(const PartTracks& tracks, std::size_t timer, std::string_view where) {
   const auto [head, left, right] = tracks;
   const auto [begin, end] = all_tracked(tracks, where);

@@ -18,13 +18,17 @@ using PartTracks = std::array<const PoseTrack*, 3>;
 /// hands it is the head.
 std::size_t throwing_part(const PartTracks& tracks, std::optional<bool> left_throws = {});
 
+/// The part whose times a recording takes: the throwing one; the head, if the hand has more samples a second than a trial
+/// may have (250) and the head has not.
+std::size_t timing_part(const PartTracks& tracks, std::size_t thrower);
+
 /// Head and hands at the times of one of them, while all are tracked. The others are interpolated.
 ///
 /// Samples in a gap of the head above 0.1 s are left out. Notes say so, and tell tracks that have
 /// another rate.
 ///
 /// @param tracks  with a head
-/// @param timer   whose times are taken: throwing_part(), so that each of its samples is kept
+/// @param timer   whose times are taken: timing_part(), so that each sample of the throwing hand is kept
 /// @throws std::invalid_argument  when all were never tracked at the same time, or a hand was not for
 ///                                longer than 0.1 s while the head was
 MotionRecording together(const PartTracks& tracks, std::size_t timer, std::string_view where);

@@ -64,6 +64,21 @@ TEST(SameTimes, AreThoseOfTheHandThatThrows) {
   EXPECT_EQ(throwing_part({&head, nullptr, nullptr}), 0u);
 }
 
+// A trial has 250 samples a second at most.
+TEST(SameTimes, AreThoseOfTheHeadWhereTheHandIsTooFastForATrial) {
+  const PoseTrack slow = moving(Time{0}, Time{10'000}, 0.5);
+  const PoseTrack most = moving(Time{0}, Time{4'000}, 6.0),
+                  fast = moving(Time{0}, Time{2'000}, 6.0);
+  EXPECT_EQ(timing_part({&slow, nullptr, &most}, 2), 2u);
+  EXPECT_EQ(timing_part({&slow, nullptr, &fast}, 2), 0u);
+  EXPECT_EQ(timing_part({&fast, nullptr, &fast}, 2), 2u);
+  const PartTracks tracks = {&slow, nullptr, &fast};
+  const MotionRecording r = together(tracks, timing_part(tracks, 2), "x");
+  expect_all_samples(slow, r, r.head);
+  EXPECT_THAT(r.notes,
+              testing::ElementsAre(HasSubstr("samples of the right hand are interpolated")));
+}
+
 TEST(SameTimes, OfTracksThatHaveThemAreTheirsToTheBit) {
   const PoseTrack head = moving(Time{1'000}, Time{11'111}, 0.1);
   const PoseTrack left = moving(Time{1'000}, Time{11'111}, 0.3);
