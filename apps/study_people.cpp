@@ -4,7 +4,6 @@
 #include <exception>
 #include <mutex>
 #include <optional>
-#include <thread>
 
 #include <fmt/format.h>
 
@@ -13,6 +12,7 @@
 #include "apps/stop.h"
 #include "base/input_file.h"
 #include "base/sha256.h"
+#include "base/threads.h"
 #include "scene/record/details.h"
 #include "scene/record/events.h"
 #include "scene/watch/recorded.h"
@@ -101,21 +101,17 @@ std::vector<study::Person> people_of(const Study& study, int jobs) {
   std::atomic<std::size_t> next = 0;
   std::mutex mutex;
   std::exception_ptr failure;
-  std::vector<std::thread> threads;
-  for (int i = 0; i < jobs; ++i) {
-    threads.emplace_back([&] {
-      for (std::size_t at = next++; at < people.size(); at = next++) {
-        try {
-          people[at] = person_of(study, study.plan[at]);
-        } catch (...) {
-          const std::lock_guard lock(mutex);
-          if (!failure) failure = std::current_exception();
-          next = people.size();
-        }
+  base::in_threads(jobs, [&] {
+    for (std::size_t at = next++; at < people.size(); at = next++) {
+      try {
+        people[at] = person_of(study, study.plan[at]);
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (!failure) failure = std::current_exception();
+        next = people.size();
       }
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
+    }
+  });
   if (failure) std::rethrow_exception(failure);
   for (study::Person& person : people) {
     const auto by = replaced.find(person.planned.id);

@@ -5,9 +5,9 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
-#include <system_error>
 #include <thread>
 
+#include "base/threads.h"
 #include "scene/record/events.h"
 
 namespace headpin::sweep {
@@ -110,11 +110,12 @@ std::vector<Outcome> throw_again(const Situation& situation, std::span<const Rel
   std::mutex mutex;
   std::condition_variable ended;
   std::exception_ptr failure;
-  int running = jobs;
-  const auto work = [&] {
+  std::size_t over = 0;
+  const auto work = [&](bool alone) {
     try {
       for (std::size_t i; (i = taken++) < releases.size(); ++done) {
         outcomes[i] = throw_again(situation, releases[i]);
+        if (alone) check(static_cast<std::int64_t>(done));
       }
     } catch (...) {
       const std::lock_guard lock(mutex);
@@ -122,19 +123,13 @@ std::vector<Outcome> throw_again(const Situation& situation, std::span<const Rel
       taken = releases.size();
     }
     const std::lock_guard lock(mutex);
-    --running;
+    ++over;
     ended.notify_all();
   };
-  std::vector<std::thread> threads;
-  try {
-    for (int i = 0; i < jobs; ++i) threads.emplace_back(work);
-  } catch (const std::system_error&) {  // no more threads possible: continue with fewer
-    if (threads.empty()) throw;
-    const std::lock_guard lock(mutex);
-    running -= jobs - static_cast<int>(threads.size());
-  }
+  std::vector<std::jthread> threads = base::begin_threads(jobs, [&] { work(false); });
+  if (threads.empty()) work(true);
   std::unique_lock lock(mutex);
-  while (running > 0) {
+  while (over < threads.size()) {
     ended.wait_for(lock, std::chrono::milliseconds(100));
     lock.unlock();
     try {
@@ -148,7 +143,7 @@ std::vector<Outcome> throw_again(const Situation& situation, std::span<const Rel
     lock.lock();
   }
   lock.unlock();
-  for (std::thread& thread : threads) thread.join();
+  threads.clear();
   if (failure) std::rethrow_exception(failure);
   return outcomes;
 }

@@ -4,7 +4,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -16,6 +15,7 @@
 #include "apps/streams.h"
 #include "apps/study_folder.h"
 #include "base/output_file.h"
+#include "base/threads.h"
 #include "study/csv.h"
 #include "study/design_checks.h"
 #include "study/power.h"
@@ -41,21 +41,17 @@ std::vector<study::Power> powers(const PowerOptions& options, const study::Desig
   std::atomic<std::size_t> next = options.people.size();  // the largest first
   std::mutex mutex;
   std::exception_ptr failure;
-  std::vector<std::thread> threads;
-  for (int i = 0; i < options.jobs; ++i) {
-    threads.emplace_back([&] {
-      for (std::size_t at = next--; at >= 1 && at <= all.size(); at = next--) {
-        try {
-          all[at - 1] = study::power_of(design, questions, options.people[at - 1], options.studies,
-                                        options.seed, [] { check_stop(); });
-        } catch (...) {
-          const std::lock_guard lock(mutex);
-          if (!failure) failure = std::current_exception();
-        }
+  base::in_threads(options.jobs, [&] {
+    for (std::size_t at = next--; at >= 1 && at <= all.size(); at = next--) {
+      try {
+        all[at - 1] = study::power_of(design, questions, options.people[at - 1], options.studies,
+                                      options.seed, [] { check_stop(); });
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (!failure) failure = std::current_exception();
       }
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
+    }
+  });
   if (failure) std::rethrow_exception(failure);
   return all;
 }

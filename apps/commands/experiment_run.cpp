@@ -3,7 +3,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -18,6 +17,7 @@
 #include "apps/study_folder.h"
 #include "apps/study_play.h"
 #include "base/lock.h"
+#include "base/threads.h"
 #include "scene/watch/totals.h"
 
 namespace headpin::apps {
@@ -67,9 +67,7 @@ class VirtualStudy {
   /// @throws  the first failure; base::Busy if other processes were playing some of the sessions
   void play() {
     Progress progress("sessions", static_cast<std::int64_t>(waiting_.size()));
-    std::vector<std::thread> threads;
-    for (int i = 0; i < jobs_; ++i) threads.emplace_back([&] { work(progress); });
-    for (std::thread& thread : threads) thread.join();
+    base::in_threads(jobs_, [&] { work(progress); });
     if (failure_) std::rethrow_exception(failure_);
   }
 

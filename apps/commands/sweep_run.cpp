@@ -16,6 +16,7 @@
 #include "apps/streams.h"
 #include "apps/sweep.h"
 #include "base/left_parts.h"
+#include "base/threads.h"
 
 namespace headpin::apps {
 
@@ -53,18 +54,15 @@ class Workers {
 
   /// @throws  the first exception of a thread
   void run(int count, std::int64_t rows) {
-    std::vector<std::thread> threads;
-    running_ = count;
-    for (int i = 0; i < count; ++i) threads.emplace_back([this] { work(); });
-    {
-      Progress progress("rows", rows);
-      std::unique_lock lock(mutex_);
-      while (running_ > 0) {
-        ended_.wait_for(lock, std::chrono::milliseconds(100));
-        progress.show(done_);
-      }
+    const std::vector<std::jthread> threads = base::begin_threads(count, [this] { work(); });
+    if (threads.empty()) work();
+    Progress progress("rows", rows);
+    std::unique_lock lock(mutex_);
+    const auto all = static_cast<int>(std::max(threads.size(), std::size_t{1}));
+    while (ended_ < all) {
+      one_ended_.wait_for(lock, std::chrono::milliseconds(100));
+      progress.show(done_);
     }
-    for (std::thread& thread : threads) thread.join();
     if (failure_) std::rethrow_exception(failure_);
   }
 
@@ -94,8 +92,8 @@ class Workers {
       if (!failed_.exchange(true)) failure_ = std::current_exception();
     }
     const std::lock_guard lock(mutex_);
-    --running_;
-    ended_.notify_all();
+    ++ended_;
+    one_ended_.notify_all();
   }
 
   std::optional<sweep::Piece> next() {
@@ -109,8 +107,8 @@ class Workers {
   std::atomic<std::int64_t> taken_{0}, done_{0}, elsewhere_{0};
   std::atomic<bool> failed_{false};
   std::mutex mutex_;
-  std::condition_variable ended_;
-  int running_ = 0;
+  std::condition_variable one_ended_;
+  int ended_ = 0;
   std::exception_ptr failure_;
 };
 
