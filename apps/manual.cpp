@@ -58,7 +58,7 @@ std::vector<std::string> names(const CLI::Option& option) {
 }
 
 bool takes_value(const CLI::Option& option) {
-  return option.get_type_size() != 0;
+  return option.get_items_expected_max() != 0;  // a flag has a type, but expects nothing
 }
 
 bool may_be_repeated(const CLI::Option& option) {
@@ -213,6 +213,38 @@ std::vector<scene::ScenarioKey> typed_keys() {
   return keys;
 }
 
+/// The keys whose values are chosen from a few words, and these words.
+std::vector<std::pair<std::string, std::string>> keys_of_words() {
+  std::vector<std::pair<std::string, std::string>> all;
+  for (const scene::ScenarioKey& key : typed_keys()) {
+    std::string of = key.kind == "true or false" ? "true false" : key.allowed;
+    if (key.kind != "true or false" && (key.kind != "text" || of.empty())) continue;
+    std::erase(of, ',');
+    all.emplace_back(key.key, of);
+  }
+  return all;
+}
+
+/// Keys as they are typed, with what separates them from their values.
+std::vector<std::string> keys_with_equals() {
+  std::vector<std::string> all;
+  for (const scene::ScenarioKey& key : typed_keys()) all.push_back(key.key + "=");
+  return all;
+}
+
+/// What may follow the name of a command: commands in it, what it can do, or what it can tell of.
+std::vector<std::string> first_words(const CLI::App& command) {
+  std::vector<std::string> all = names_of(commands(command));
+  if (command.get_name() == "help") {
+    all = names_of(commands(*command.get_parent()));
+    all.emplace_back("topics");
+    for (const Topic& topic : topics()) all.emplace_back(topic.name);
+  } else if (const auto taken = options(command, true); all.empty() && !taken.empty()) {
+    all = choices(*taken.front());
+  }
+  return all;
+}
+
 /// The names that are allowed for this option, besides files.
 std::vector<std::string> known_names(const CLI::Option& option) {
   return option.check_name("--scenario") ? scene::scenario_names() : std::vector<std::string>{};
@@ -242,18 +274,15 @@ std::string bash_value(const std::string& command, const CLI::Option& option) {
 /// Branches of `case` for the values of the keys that are chosen from a few words.
 std::string bash_keys() {
   std::string branches;
-  for (const scene::ScenarioKey& key : typed_keys()) {
-    std::string of = key.kind == "true or false" ? "true false" : key.allowed;
-    if (key.kind != "true or false" && (key.kind != "text" || of.empty())) continue;
-    std::erase(of, ',');
-    branches += fmt::format("    *:{}) words={} ;;\n", key.key, base::shell_word(of));
+  for (const auto& [key, words] : keys_of_words()) {
+    branches += fmt::format("    *:{}) words={} ;;\n", key, base::shell_word(words));
   }
   return branches;
 }
 
 /// What completes the words of `headpin`, of a command, or of a command in a group.
 struct BashTables {
-  std::string options, values, groups;
+  std::string options, values, firsts;
 
   void add(const CLI::App& command, const std::string& name) {
     std::vector<std::string> typed;
@@ -264,28 +293,25 @@ struct BashTables {
     }
     options += fmt::format("      {}) words={} ;;\n", base::shell_word(name), in_quotes(typed));
     for (const CLI::App* one : commands(command)) add(*one, name + " " + one->get_name());
-    if (const auto inside = names_of(commands(command)); !inside.empty()) {
-      groups += fmt::format("    {}) words={} ;;\n", name, in_quotes(inside));
+    if (const auto first = first_words(command); !first.empty()) {
+      firsts += fmt::format("    {}) words={} ;;\n", base::shell_word(name), in_quotes(first));
     }
   }
 };
 
 std::string bash_completion(const CLI::App& app) {
   BashTables tables;
-  std::vector<std::string> all = names_of(commands(app)), keys, helped = {"topics"}, groups;
+  std::vector<std::string> all = names_of(commands(app)), groups;
   for (const CLI::App* command : commands(app)) {
     tables.add(*command, command->get_name());
     if (!commands(*command).empty()) groups.push_back(command->get_name());
   }
-  for (const scene::ScenarioKey& key : typed_keys()) keys.push_back(key.key + "=");
-  helped.insert(helped.end(), all.begin(), all.end());
-  for (const Topic& topic : topics()) helped.emplace_back(topic.name);
   all.insert(all.end(), {"--help", "--version"});
   return "# bash completion for headpin; written by the program\n"
          "_headpin() {\n"
          "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}\n"
          "  local words= files= at=${COMP_WORDS[1]} keys=" +
-         in_quotes(keys) +
+         in_quotes(keys_with_equals()) +
          "\n"
          "  COMPREPLY=()\n"
          "  if [ \"$COMP_CWORD\" -eq 1 ]; then\n"
@@ -300,15 +326,14 @@ std::string bash_completion(const CLI::App& app) {
          "  elif [ \"$before\" = = ] && [ \"$COMP_CWORD\" -gt 2 ]; then\n"
          "    before=${COMP_WORDS[COMP_CWORD-2]}\n"
          "  fi\n"
-         "  if [ \"$COMP_CWORD\" -eq 2 ]; then\n"
-         "    case $at in\n" +
-         tables.groups + "    help) words=" + in_quotes(helped) +
-         " ;;\n"
-         "    esac\n"
-         "  else\n"
+         "  if [ \"$COMP_CWORD\" -gt 2 ]; then\n"
          "    case $at in " +
          fmt::format("{}", fmt::join(groups, "|")) +
          ") at=\"$at ${COMP_WORDS[2]}\" ;; esac\n"
+         "  elif [[ $word != -* ]]; then\n"
+         "    case $at in\n" +
+         tables.firsts +
+         "    esac\n"
          "  fi\n"
          "  [ -n \"$words\" ] || case $at:$before in\n" +
          tables.values + bash_keys() +
@@ -319,10 +344,11 @@ std::string bash_completion(const CLI::App& app) {
          "      esac ;;\n"
          "  esac\n"
          "  [ -z \"$words\" ] || mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$word\")\n"
-         "  [ -z \"$files\" ] || mapfile -t -O \"${#COMPREPLY[@]}\" COMPREPLY < <(compgen -f -- "
-         "\"$word\")\n"
+         "  [ -n \"$files\" ] || return 0\n"
+         "  compopt -o filenames 2>/dev/null  # of files alone are folders and special signs marked\n"
+         "  mapfile -t -O \"${#COMPREPLY[@]}\" COMPREPLY < <(compgen -f -- \"$word\")\n"
          "}\n"
-         "complete -o filenames -F _headpin headpin\n";
+         "complete -F _headpin headpin\n";
 }
 
 std::string zsh_text(std::string text) {
@@ -332,16 +358,37 @@ std::string zsh_text(std::string text) {
   return text;
 }
 
+/// A function that completes KEY=VALUE behind `--set`.
+std::string zsh_keys() {
+  std::string branches;
+  for (const auto& [key, words] : keys_of_words()) {
+    branches += fmt::format("    {}) compadd -- {} ;;\n", key, words);
+  }
+  return "_headpin_keys() {\n"
+         "  local key=${PREFIX%%=*}\n"
+         "  if ! compset -P '*='; then\n"
+         "    compadd -S '' -- " +
+         fmt::format("{}", fmt::join(keys_with_equals(), " ")) +
+         "\n"
+         "    return\n"
+         "  fi\n"
+         "  case $key in\n" +
+         branches +
+         "  esac\n"
+         "}\n";
+}
+
 std::string zsh_option(const CLI::Option& option) {
-  const std::vector<std::string> all = names(option);
-  const std::string several = all.size() > 1 ? fmt::format("{{{}}}", fmt::join(all, ",")) : all[0];
+  std::vector<std::string> all = names(option);
   const std::string once =
       may_be_repeated(option) ? "'*'" : base::shell_word(fmt::format("({})", fmt::join(all, " ")));
+  if (takes_value(option)) {  // in the next word, or in the same
+    for (std::string& name : all) name += name.starts_with("--") ? "=" : "+";
+  }
+  const std::string several = all.size() > 1 ? fmt::format("{{{}}}", fmt::join(all, ",")) : all[0];
   std::string after = fmt::format("[{}]", zsh_text(option.get_description()));
   if (option.check_name("--set")) {
-    std::vector<std::string> keys;
-    for (const scene::ScenarioKey& key : typed_keys()) keys.push_back(key.key + "=");
-    after += fmt::format(":KEY=VALUE:{{compadd -S \"\" -- {}}}", fmt::join(keys, " "));
+    after += ":KEY=VALUE:_headpin_keys";
   } else if (takes_value(option)) {
     const auto of = choices(option), files = known_names(option);
     after += fmt::format(":{}:", zsh_text(placeholder(option)));
@@ -359,12 +406,13 @@ std::string zsh_completion(const CLI::App& app) {
         "    " + base::shell_word(command->get_name() + ":" + command->get_description()) + "\n";
     each += "    " + command->get_name() + ")\n      _arguments \\\n";
     for (const CLI::Option* option : options_in(*command)) each += zsh_option(*option);
-    if (const auto inside = names_of(commands(*command)); !inside.empty()) {
-      each += fmt::format("        '1:command:({})' \\\n", fmt::join(inside, " "));
+    if (const auto first = first_words(*command); !first.empty()) {
+      each += fmt::format("        '1:{}:({})' \\\n",
+                          commands(*command).empty() ? "word" : "command", fmt::join(first, " "));
     }
     each += "        '*:file:_files' ;;\n";
   }
-  return "#compdef headpin\n# written by the program\n"
+  return "#compdef headpin\n# written by the program\n" + zsh_keys() +
          "_headpin() {\n"
          "  local -a commands=(\n" +
          listed +

@@ -75,6 +75,7 @@ completed() { # WORD... -> what the last may become
 }
 [ "$(completed headpin repl)" = replay ] || fail "headpin repl"
 [ "$(completed headpin replay --ela)" = --elasticity ] || fail "replay --ela"
+[ "$(completed headpin replay --json --ela)" = --elasticity ] || fail "replay --json --ela: a flag takes no value"
 [ "$(completed headpin replay --shape ell)" = ellipsoid ] || fail "replay --shape ell"
 [ "$(completed headpin live --scenario german)" = german-ninepins ] || fail "live --scenario german"
 [ "$(completed headpin experiment pl)" = plan ] || fail "experiment pl"
@@ -85,6 +86,9 @@ completed() { # WORD... -> what the last may become
 [ "$(completed headpin replay --set look.mirror =)" = "$(printf 'true\nfalse')" ] || fail "replay --set look.mirror="
 [ "$(completed headpin replay --shape = ell)" = ellipsoid ] || fail "replay --shape=ell"
 [ "$(completed headpin help track)" = trackers ] || fail "help track"
+[ "$(completed headpin scenario sh)" = show ] || fail "scenario sh"
+[ "$(completed headpin scenario --js)" = --json ] || fail "scenario --js"
+! grep -q '^complete.*filenames' "$prefix/share/bash-completion/completions/headpin" || fail "words are marked as files"
 (cd away && touch "two words.lcmlog" && [ "$(completed headpin info two)" = "two words.lcmlog" ]) ||
   fail "a file with a space"
 
@@ -99,6 +103,8 @@ zpty -w -n z "headpin $3"$'\t'
 zpty -r z line "*headpin $4*" && print found
 EOZ
   for pair in "repl replay" "replay\ --ela --elasticity" "replay\ --shape\ el ellipsoid" "experiment\ pl plan" \
+    "replay\ --json\ --ela --elasticity" "replay\ --response=pa --response=paper" "scenario\ sh show" \
+    "help\ hash hashes" "replay\ --set\ game.rules=nine game.rules=ninepins" \
     "replay\ --set\ material.lane.fr material.lane.friction="; do
     eval "set -- $pair"
     found=$(timeout 60 zsh -f complete.zsh "$prefix/share/zsh/site-functions" "$prefix/bin" "$1" "*$2") ||
