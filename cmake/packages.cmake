@@ -68,6 +68,15 @@ if(HEADPIN_PYTHON)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS  # headpin: its scenarios and meshes
       "headpin (= ${PROJECT_VERSION}), python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_minor}), python3-numpy")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-pandas")
+  # What Python compiles belongs to the package, as dh_python3 writes it: what was left of it after the
+  # removal could be imported as an empty module.
+  set(scripts ${control}/python3-headpin)
+  file(WRITE ${scripts}/postinst "#!/bin/sh\nset -e\nif command -v py3compile >/dev/null 2>&1; then\n"
+       "  py3compile -p python3-headpin\nfi\n")
+  file(WRITE ${scripts}/prerm "#!/bin/sh\nset -e\nif command -v py3clean >/dev/null 2>&1; then\n"
+       "  py3clean -p python3-headpin\nfi\n")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${scripts}/postinst ${scripts}/prerm)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_STRICT_PERMISSION TRUE)
   set(CPACK_COMPONENT_PYTHON_DESCRIPTION
 "headpin as a module of Python: trials as arrays of numpy, replays under other
 conditions, what each eye saw with depth and cameras, sessions made step by

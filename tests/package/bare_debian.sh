@@ -35,5 +35,7 @@ within 'apt-get install -y -qq --no-install-recommends man-db cmake g++ make pkg
   g++ /client/client.cpp -o shared $(pkg-config --cflags headpin-engine) -lheadpin-engine; ./shared
   ldd shared | grep "libheadpin-engine.so"'
 within 'apt-get install -y -qq --no-install-recommends /packages/python3-headpin_*.deb >/dev/null
-  cd /tmp/try; python3 -c "import headpin; t = headpin.Trial(\"demo.lcmlog\"); assert t.verify() is None; print(t.frames(200).image.shape)"'
+  cd /tmp/try; python3 -c "import headpin; t = headpin.Trial(\"demo.lcmlog\"); assert t.verify() is None; print(t.frames(200).image.shape)"
+  apt-get remove -y -qq python3-headpin >/dev/null
+  [ ! -e /usr/lib/python3/dist-packages/headpin ] && ! python3 -c "import headpin" 2>/dev/null  # nothing is left of it'
 echo "packages installed and used in $(cat "$root/etc/debian_version")"
