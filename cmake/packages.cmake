@@ -19,7 +19,9 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libosmesa6 | libegl1")  # loaded at run time
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "ffmpeg, librsvg2-2")  # librsvg2-2: loaded at run time
 # liblcm-java to default-jre: for headpin-types.jar.
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "liblcm-bin, libheadpin-dev, liblcm-java, libjchart2d-java, default-jre")
+# r-base-core and r-cran-brglm2: for `experiment analyse`.
+string(JOIN ", " CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS
+       liblcm-bin libheadpin-dev python3-headpin liblcm-java libjchart2d-java default-jre r-base-core r-cran-brglm2)
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
 "Re-creates and goes beyond the system of Uno & Slater (1997): samples of
 trackers and buttons go in; a hand, a ball and skittles are simulated from
