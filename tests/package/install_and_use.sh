@@ -130,6 +130,11 @@ quietly cmake --install "$build" --prefix "$work/engine" --component engine
 alone=()
 for package in PkgConfig fmt PNG LCM; do alone+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON"); done
 client engine_client "$work/engine" "${alone[@]}"
+if cmake -S "$here/client" -B no_scene -G Ninja "-DCMAKE_PREFIX_PATH=$work/engine" >log.txt 2>&1; then
+  fail "scene was found where the engine alone is"
+fi
+tr -s ' \n' ' ' <log.txt | grep -q "component scene is not installed" || { cat log.txt; fail "it is not said that scene is missing"; }
+! grep LCM log.txt || fail "what scene stands on is looked for, though scene is missing"
 folder=$(dirname "$(find engine -name headpin-engine.pc)")
 # shellcheck disable=SC2046
 "$compiler" $flags "$here/engine_client/client.cpp" -o with_pkg_config \
