@@ -13,8 +13,10 @@
 #include "apps/wrap.h"
 #include "apps/wrong_use.h"
 #include "base/lock.h"
+#include "base/shell_word.h"
 #include "devices/base/version.h"
 #include "scene/record/log.h"
+#include "scene/scenario/files.h"
 
 namespace headpin::apps {
 namespace {
@@ -40,6 +42,22 @@ std::string with_option(const std::exception& error) {
   if (dynamic_cast<const base::Exists*>(&error)) return what + "; --force replaces it";
   if (dynamic_cast<const scene::LongGap*>(&error)) return what + "; --longest-gap accepts more";
   return what;
+}
+
+/// Once installed, the examples of all commands name the bundled trial where it lies.
+void place_examples(CLI::App& app) {
+  namespace fs = std::filesystem;
+  const fs::path beside = scene::program_folder() / "share/headpin";  // so it is in a build folder
+  for (const fs::path& data : scene::data_folders()) {
+    std::error_code none;
+    if (data == beside || !fs::exists(data / "trials/demo.lcmlog", none)) continue;
+    const std::string trials = base::typed_word((data / "trials/").string());
+    for (CLI::App* command : app.get_subcommands({})) {
+      command->footer(
+          CLI::detail::find_and_replace(command->get_footer(), "assets/trials/", trials));
+    }
+    return;
+  }
 }
 
 /// Prints an error with the name of its command; with --json also as an object.
@@ -126,6 +144,7 @@ int main(int argc, char** argv) {
   apps::add_help(app);
   apps::add_manual(app);
   apps::add_draw(app);
+  apps::place_examples(app);
   const int code = apps::run(app, argc, argv);
   return apps::close_standard_output(apps::name_of(app), code);
 }

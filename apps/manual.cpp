@@ -99,6 +99,11 @@ std::string trimmed(std::string_view text) {
   return std::string(text.substr(first, text.find_last_not_of(" \n") - first + 1));
 }
 
+/// Examples of a page name the bundled trial where a package puts it.
+std::string with_installed_trial(const std::string& text) {
+  return CLI::detail::find_and_replace(text, "assets/trials/", "/usr/share/headpin/trials/");
+}
+
 std::string as_written(const char* heading, const std::string& text) {
   if (text.empty()) return {};
   return fmt::format(".SH {}\n.nf\n{}\n.fi\n", heading, roff(text));
@@ -163,7 +168,7 @@ std::string page(const CLI::App& command, const std::string& words) {
     }
     listed += roff_option(*option);
   }
-  const std::string footer = command.get_footer();
+  const std::string footer = with_installed_trial(command.get_footer());
   const std::size_t example = footer.rfind("Example:");
   const bool has_example = example != std::string::npos;
   return page_begins(name, command.get_description()) +

@@ -23,6 +23,8 @@ mkdir away
   env -i "$headpin" synthesize --scenario german-ninepins --seed 3 -o throw.lcmlog >/dev/null
   env -i "$headpin" replay throw.lcmlog | grep -q "score sheet .*ninepins: [0-9]" || fail "no ninepins"
   env -i "$headpin" replay "$prefix/share/headpin/trials/demo.lcmlog" | grep -q "of 10"
+  example=$(env -i "$headpin" info --help | grep '^ *headpin info .*demo.lcmlog')
+  env -i PATH="$prefix/bin" "$(command -v sh)" -c "$example" >/dev/null || fail "the example of info: $example"
   env -i "$headpin" import "$prefix/share/headpin/throws/example.csv" -o own.lcmlog >/dev/null
   if [ -e "$prefix/share/headpin/page.html" ]; then
     env -i "$headpin" report own.lcmlog -o own.html
