@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "apps/command.h"
+#include "apps/environment.h"
 #include "apps/reference.h"
 #include "apps/topics.h"
 #include "base/shell_word.h"
@@ -192,6 +193,11 @@ std::string overview(const CLI::App& app) {
   for (const std::string& name : scene::scenario_names()) {
     scenarios += (scenarios.empty() ? "" : ", ") + name;
   }
+  std::string taken, environment;
+  for (const CLI::Option* option : options(app, false)) taken += roff_option(*option);
+  for (const auto& [name, says] : kEnvironment) {
+    environment += fmt::format(".TP\n\\fB{}\\fR\n{}\n", name, roff(says));
+  }
   return page_begins("headpin", "a headless immersive bowling simulator with tracked devices") +
          ".SH SYNOPSIS\n\\fBheadpin\\fR \\fICOMMAND\\fR [\\fIARGUMENTS\\fR]\n"
          ".SH DESCRIPTION\nSamples of trackers go in; a hand, a ball and skittles are simulated "
@@ -199,8 +205,8 @@ std::string overview(const CLI::App& app) {
          "them, to the bit;\nwhat happened and what each eye saw comes out. A trial is one LCM "
          "event "
          "log that has it all.\n.SH COMMANDS\n" +
-         listed + ".SH SCENARIOS\n" + roff(scenarios) + "\n" + kExitStatus + ".SH SEE ALSO\n" +
-         see + "\n";
+         listed + ".SH OPTIONS\n" + taken + ".SH SCENARIOS\n" + roff(scenarios) + "\n" +
+         kExitStatus + ".SH ENVIRONMENT\n" + environment + ".SH SEE ALSO\n" + see + "\n";
 }
 
 std::vector<std::string> names_of(const std::vector<const CLI::App*>& commands) {

@@ -207,5 +207,31 @@ TEST_F(Reference, ATrialIsExportedWholeAndPlotted) {
   expect_refusal("plot game.lcmlog -o game.lcmlog --force", 2, "game.lcmlog");
 }
 
+TEST_F(Reference, TheManualTellsOfOptionsEnvironmentAndTheInstalledTrial) {
+  ASSERT_EQ(headpin("manual written").code, 0);
+  const std::string page = slurp(folder_ / "written/man1/headpin.1");
+  EXPECT_THAT(page, HasSubstr("\\fB\\-h\\fR, \\fB\\-\\-help\\fR"));
+  EXPECT_THAT(page, HasSubstr("\\fB\\-\\-version\\fR"));
+  static const std::regex read("getenv\\(\"([A-Z_]+)\"\\)");
+  int found = 0;
+  for (const char* folder : {"base", "devices", "render", "scene", "study", "sweep", "apps"}) {
+    for (const auto& file :
+         fs::recursive_directory_iterator(fs::path(HEADPIN_SOURCE_DIR) / folder)) {
+      if (file.path().extension() != ".cpp") continue;
+      const std::string code = slurp(file.path());
+      for (std::sregex_iterator one(code.begin(), code.end(), read), end; one != end; ++one) {
+        EXPECT_THAT(page, HasSubstr("\\fB" + (*one)[1].str() + "\\fR")) << file.path();
+        ++found;
+      }
+    }
+  }
+  EXPECT_GE(found, 8);
+  for (const auto& file : fs::directory_iterator(folder_ / "written/man1")) {
+    EXPECT_THAT(slurp(file.path()), testing::Not(HasSubstr("assets/trials"))) << file.path();
+  }
+  EXPECT_THAT(slurp(folder_ / "written/man1/headpin-info.1"),
+              HasSubstr("headpin info /usr/share/headpin/trials/demo.lcmlog"));
+}
+
 }  // namespace
 }  // namespace headpin
