@@ -23,7 +23,7 @@ def main():
     parts = {package["name"]: package for package in document["packages"]}
     with open(copyright_file, encoding="utf-8") as file:
         legal = file.read()
-    wanted = set()
+    wanted, of_module = set(), set()
     for name in subprocess.run(["git", "-C", sources, "ls-files", "apps/CMakeLists.txt", "apps/python/CMakeLists.txt",
                                 "scene/CMakeLists.txt", "devices/CMakeLists.txt", "render/CMakeLists.txt",
                                 "CMakeLists.txt"],
@@ -34,6 +34,8 @@ def main():
             low = found.lower().removeprefix("lib")
             if low not in LINKED:
                 wanted.add(OURS.get(low, low))
+                if name != "apps/CMakeLists.txt":  # the Python module is built with the rest
+                    of_module.add(OURS.get(low, low))
     scripts = subprocess.run(["git", "-C", sources, "ls-files", "apps/report/src/*.js"], check=True, capture_output=True,
                              text=True).stdout.split()
     for name in scripts:
@@ -43,6 +45,10 @@ def main():
     for package in parts.values():
         if f"License: {package['licenseDeclared']}\n " not in legal:
             missing.append(f"text of {package['licenseDeclared']}")
+    missing += [f"{name} in the Python package" for name in sorted(of_module & set(parts))
+                if "Python package" not in parts[name]["comment"]]
+    if "forms of CLI11" in legal:
+        missing.append("a text of BSD-3-Clause that is of all its parts")
     related = {relation["relatedSpdxElement"] for relation in document["relationships"]}
     missing += [name for name, package in parts.items() if package["SPDXID"] not in related]
     page = f"{sources}/build/report/page.html"
