@@ -2,10 +2,11 @@
 import { PerspectiveCamera, Vector3 } from 'three';
 
 const kStep = 0.08;
+export const kFarthest = 60;  // m from what it looks at
 
 export class Orbit {
   constructor(canvas, room, changed) {
-    this.camera = new PerspectiveCamera(50, 1, 0.05, 200);
+    this.camera = new PerspectiveCamera(50, 1, 0.05, 140 + kFarthest);
     this.camera.up.set(0, 0, 1);
     this.room = room;
     this.changed = changed;
@@ -40,7 +41,7 @@ export class Orbit {
 
   moved() {
     this.rise = Math.max(-1.569, Math.min(1.569, this.rise));
-    this.away = Math.max(0.3, Math.min(60, this.away));
+    this.away = Math.max(0.3, Math.min(kFarthest, this.away));
     const { turn, rise, away, target } = this;
     this.camera.position.set(target.x + away * Math.cos(rise) * Math.cos(turn),
       target.y + away * Math.cos(rise) * Math.sin(turn), target.z + away * Math.sin(rise));

@@ -3,10 +3,10 @@ import { Mesh, NearestFilter, OrthographicCamera, PerspectiveCamera, PlaneGeomet
          ShaderMaterial, WebGLRenderer, WebGLRenderTarget, Color, ColorManagement, LinearSRGBColorSpace,
          Quaternion, Vector3 } from 'three';
 
-import { Orbit } from './orbit.js';
+import { kFarthest, Orbit } from './orbit.js';
 import { Contacts, Frusta, Trails } from './overlays.js';
 import { lookAtWebGl } from './webgl.js';
-import { Board, Cast, Looks, makeRoom } from './world.js';
+import { Board, Cast, Looks, makeRoom, reachOf } from './world.js';
 
 // Colours are coded by our own shaders or given coded: three.js has nothing to convert.
 ColorManagement.enabled = false;
@@ -144,6 +144,7 @@ class View {
     this.head = trial.actors('head')[0];
     if (trial.json.meshes.length) this.looks = new Looks(trial);
     this.scene = makeRoom(trial, this.looks);
+    this.orbit.camera.far = kFarthest + reachOf(this.scene, 140);
     this.scene.background = null;
     this.cast = new Cast(trial, this.looks);
     this.board = new Board(trial, this.looks);

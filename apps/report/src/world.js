@@ -1,5 +1,5 @@
 // The room and what moves in it, as three.js draws them.
-import { BufferAttribute, BufferGeometry, Group, Mesh, Scene } from 'three';
+import { Box3, BufferAttribute, BufferGeometry, Group, Mesh, Scene, Sphere } from 'three';
 
 import { coded, makeLight, materialOf } from './materials.js';
 
@@ -228,4 +228,10 @@ export function makeRoom(trial, looks) {
     scene.add(object);
   }
   return scene;
+}
+
+/** How far a camera in a room sees [m]: to the other end of the room, and `least` at least. */
+export function reachOf(room, least) {
+  const { radius } = new Box3().setFromObject(room).getBoundingSphere(new Sphere());
+  return Math.max(least, 2 * radius);
 }

@@ -3,7 +3,7 @@ import { Color, ColorManagement, Group, LinearSRGBColorSpace, PerspectiveCamera,
   Vector3, WebGLRenderer } from 'three';
 
 import { lookAtWebGl } from '../webgl.js';
-import { Board, Looks, makeRoom, place, Rings, Shade } from '../world.js';
+import { Board, Looks, makeRoom, place, reachOf, Rings, Shade } from '../world.js';
 
 ColorManagement.enabled = false;  // as in view.js
 
@@ -40,7 +40,7 @@ export class Room {
     this.looks = new Looks(page);
     this.scene = makeRoom(page, this.looks);
     this.scene.background = new Color(...page.json.light.background).convertLinearToSRGB();
-    this.camera = new PerspectiveCamera(60, 1, 0.05, 60);
+    this.camera = new PerspectiveCamera(60, 1, 0.05, reachOf(this.scene, 60));
     this.rig = new Group();  // the tracked space T, in the world
     this.rig.add(this.camera);
     this.scene.add(this.rig);
