@@ -1,13 +1,29 @@
 #include "apps/python/open_trial.h"
 
+#include <filesystem>
+
 #include "apps/python/reading.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/recorded.h"
 
 namespace headpin::python {
 
+namespace {
+
+/// The path from the root; standard input stays what it is.
+std::string whole_path(const std::string& path) {
+  if (path == "-") return path;
+  std::error_code none;  // without a working folder, no relative path can be opened
+  const std::filesystem::path whole = std::filesystem::absolute(path, none);
+  return whole.empty() ? path : whole.string();
+}
+
+}  // namespace
+
 OpenTrial::OpenTrial(const std::string& path, Time longest_gap)
-    : path_(path), file_(reading<DamagedTrial>(path, [&] { return scene::TrialFile(path); })) {
+    : path_(path),
+      file_path_(whole_path(path)),
+      file_(reading<DamagedTrial>(path, [&] { return scene::TrialFile(path); })) {
   try {
     file_.require_trial(longest_gap);
   } catch (const std::runtime_error& error) {

@@ -20,7 +20,10 @@ class OpenTrial {
   /// @throws FileMissing, NotPermitted, DamagedTrial
   OpenTrial(const std::string& path, Time longest_gap);
 
+  /// As it was named.
   const std::string& path() const { return path_; }
+  /// The same file, whatever the working folder is now.
+  const std::string& file_path() const { return file_path_; }
   const scene::TrialSummary& summary() const { return file_.summary(); }
   const scene::TrialFile& file() const { return file_; }
 
@@ -54,7 +57,7 @@ class OpenTrial {
   }
 
  private:
-  std::string path_;
+  std::string path_, file_path_;
   scene::TrialFile file_;
   std::optional<scene::Scenario> scenario_;
   std::mutex reading_;

@@ -121,7 +121,8 @@ scene::TrialWriter open_writer(const Replay& replay, const std::string& path,
                                const scene::Session& session, bool overwrite, bool changes) {
   try {
     base::OutputFile file(
-        path, {.overwrite = overwrite, .standard_output = true, .inputs = {replay.trial->path()}});
+        path,
+        {.overwrite = overwrite, .standard_output = true, .inputs = {replay.trial->file_path()}});
     return scene::TrialWriter(std::make_unique<scene::Recorder>(
         std::move(file), scene::header_of(replay.trial->summary().header, session),
         scene::Recorder::Options{.states = changes ? scene::States::changes : scene::States::all}));

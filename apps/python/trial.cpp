@@ -187,6 +187,7 @@ void add_header(py::class_<Trial>& trial) {
   trial
       .def_property_readonly(
           "path", [](const Trial& t) { return t.open->path(); }, "The file, as it was named.")
+      .def_property_readonly("_file", [](const Trial& t) { return t.open->file_path(); })
       .def_property_readonly(
           "participant",
           [](const Trial& t) { return to_text(t.open->summary().header.participant); },

@@ -183,6 +183,32 @@ class Files(unittest.TestCase):
         self.assertEqual(len(trial.states), len(headpin.Trial(support.simulated()).states))
         self.assertIsNone(trial.verify())
 
+    def test_are_those_that_were_opened_also_from_another_folder(self):
+        self.addCleanup(os.chdir, os.getcwd())
+        folders = [support.file("here"), support.file("there")]
+        for folder, friction in zip(folders, ("0.1", "0.9")):
+            os.mkdir(folder)
+            support.command("replay", support.DEMO, "--friction", friction, "-o", os.path.join(folder, "t.lcmlog"))
+        os.chdir(folders[0])
+        with open("t.lcmlog", "rb") as file:
+            recording = file.read()
+        trial = headpin.Trial("t.lcmlog")
+        replay = trial.replay()
+        expected = headpin.replay_many(trial, {}, progress=False)
+        os.chdir(folders[1])
+        found = headpin.replay_many([trial], {}, progress=False)
+        for name in expected.dtype.names:
+            np.testing.assert_array_equal(found[name], expected[name], name)
+        self.assertEqual(found["trial"].tolist(), ["t"])
+        self.assertEqual(found["state_hash"].tolist(), [replay.state_hash])
+        self.assertEqual(trial.path, "t.lcmlog")
+        with self.assertRaisesRegex(OSError, "is an input of this command"):
+            replay.save("../here/t.lcmlog", overwrite=True)
+        with open("../here/t.lcmlog", "rb") as file:
+            self.assertTrue(file.read() == recording)
+        replay.save("t.lcmlog", overwrite=True)  # another file
+        self.assertEqual(headpin.Trial("t.lcmlog").replay().state_hash, replay.state_hash)
+
     def test_that_shrink_while_they_are_open_are_an_error(self):
         path = support.file("shrunk.lcmlog")
         support.command("replay", support.DEMO, "--states", "all", "-o", path)  # some megabytes

@@ -29,12 +29,12 @@ def replay_many(trials, table, threads=0, progress=None):
 
     Raises ValueError for a key that is none. Ctrl-C stops it.
     """
-    paths = [_path(trial) for trial in ([trials] if _is_one(trials) else trials)]
+    trials = [trials] if _is_one(trials) else list(trials)
     keys, conditions = _conditions(table)
     line = _Line() if progress is None else None
     try:
         results = _headpin._replay_many(
-            paths,
+            [_path(trial, "_file") for trial in trials],
             keys,
             [[_of_key(*pair) for pair in zip(keys, values)] for values in conditions],
             threads,
@@ -43,9 +43,9 @@ def replay_many(trials, table, threads=0, progress=None):
     finally:
         if line:
             line.erase()
-    columns = {"trial": [Path(path).stem for path in paths] * len(conditions)}
+    columns = {"trial": [Path(_path(trial, "path")).stem for trial in trials] * len(conditions)}
     for i, key in enumerate(keys):
-        columns[key] = np.repeat(_column([values[i] for values in conditions]), len(paths))
+        columns[key] = np.repeat(_column([values[i] for values in conditions]), len(trials))
     columns.update(results)
     return _structured(columns)
 
@@ -54,8 +54,9 @@ def _is_one(trials):
     return isinstance(trials, (str, os.PathLike)) or hasattr(trials, "path")
 
 
-def _path(trial):
-    return os.fspath(getattr(trial, "path", trial))
+def _path(trial, which):
+    """The path of a trial; of a Trial, `path` is as it was named, `_file` is whole."""
+    return os.fspath(getattr(trial, which, getattr(trial, "path", trial)))
 
 
 def _conditions(table):
