@@ -45,11 +45,10 @@ class Replays {
   ///
   /// @param poll  called ten times a second with the number of finished replays; may throw
   /// @throws  what `poll` throws, after all threads have ended; or the first exception of a thread
-  void run(unsigned threads, const std::function<void(std::size_t)>& poll) {
+  /// @throws std::runtime_error  when no thread can be made
+  void run(std::size_t threads, const std::function<void(std::size_t)>& poll) {
     block_ = std::clamp<std::size_t>(plan_.size() / (8 * threads), 1, 16);
-    running_ = threads;
-    std::vector<std::thread> all;
-    for (unsigned i = 0; i < threads; ++i) all.emplace_back([this] { work(); });
+    std::vector<std::thread> all = begin(std::min(threads, plan_.size()));
     try {
       std::unique_lock lock(mutex_);
       while (running_ > 0) {
@@ -69,6 +68,23 @@ class Replays {
   const std::vector<Values>& cells() const { return cells_; }
 
  private:
+  /// As many threads as can be made, up to `most`.
+  std::vector<std::thread> begin(std::size_t most) {
+    std::vector<std::thread> all;
+    all.reserve(most);
+    running_ = most;
+    try {
+      while (all.size() < most) all.emplace_back([this] { work(); });
+    } catch (const std::exception& error) {  // no more are possible: go on with these
+      if (all.empty()) {
+        throw std::runtime_error(std::string("threads: none could be made: ") + error.what());
+      }
+      const std::lock_guard lock(mutex_);
+      running_ -= most - all.size();
+    }
+    return all;
+  }
+
   void work() {
     try {
       sweep::Replayer replayer(plan_.keys, plan_.trials);
@@ -106,7 +122,7 @@ class Replays {
   std::atomic<bool> end_{false};
   std::mutex mutex_;
   std::condition_variable ended_;
-  unsigned running_ = 0;
+  std::size_t running_ = 0;
   std::exception_ptr failure_;
 };
 
@@ -160,7 +176,7 @@ py::dict replay_many(const std::vector<std::string>& trials, const std::vector<s
       plan.trials.push_back(reading<DamagedTrial>(path, [&] { return sweep::read_trial(path); }));
     }
     replays.emplace(plan);
-    replays->run(threads == 0 ? cores : static_cast<unsigned>(threads), [&](std::size_t done) {
+    replays->run(threads == 0 ? cores : static_cast<std::size_t>(threads), [&](std::size_t done) {
       interrupts.check();
       if (progress.is_none()) return;
       const py::gil_scoped_acquire lock;

@@ -5,6 +5,7 @@ import io
 import os
 import pathlib
 import pty
+import resource
 import signal
 import subprocess
 import sys
@@ -132,6 +133,32 @@ class Replays(unittest.TestCase):
             headpin.replay_many(support.DEMO, {"friction": 0}, threads=-1)
         with self.assertRaisesRegex(FileNotFoundError, "there-is-none.lcmlog"):
             headpin.replay_many("./there-is-none.lcmlog", {"friction": 0})
+
+    def limited(self, stack, memory):
+        """What replays say whose threads have stacks of `stack` GiB in `memory` GiB of addresses."""
+        script = (
+            "import os, headpin\n"
+            "try:\n"
+            "    r = headpin.replay_many([os.environ['TRIAL']] * 4, {'friction': [.1, .2]}, 8, False)\n"
+            "    print(set(r['error'].tolist()), len(set(r['state_hash'].tolist())))\n"
+            "except RuntimeError as error:\n"
+            "    print(error)\n"
+        )
+
+        def limit():
+            resource.setrlimit(resource.RLIMIT_STACK, (int(stack * 2**30), resource.RLIM_INFINITY))
+            resource.setrlimit(resource.RLIMIT_AS, (memory * 2**30,) * 2)
+
+        environment = {**os.environ, "TRIAL": support.DEMO, "OPENBLAS_NUM_THREADS": "1"}
+        child = subprocess.run(
+            [sys.executable, "-c", script], stdout=subprocess.PIPE, text=True, env=environment, preexec_fn=limit
+        )
+        self.assertEqual(child.returncode, 0)
+        return child.stdout
+
+    def test_go_on_with_those_threads_that_can_be_made(self):
+        self.assertEqual(self.limited(1.5, 4), "{''} 2\n")
+        self.assertRegex(self.limited(6, 4), "^threads: none could be made: ")
 
     def test_tells_its_progress_to_a_function_and_stops_at_its_errors(self):
         class Enough(Exception):

@@ -18,7 +18,7 @@ def replay_many(trials, table, threads=0, progress=None):
         rows), a list of dicts, a structured array or a pandas data frame. The keys are those of
         `headpin sweep`: elasticity, friction, shape, response, detection, iterations, and every key
         of a scenario, such as ball.mass.
-    threads: how many; 0: one for each core.
+    threads: how many at most; 0: one for each core. With fewer, if no more can be made.
     progress: a function (done, total), called ten times a second; None: a line on a terminal or in
         a notebook; False: nothing.
 
