@@ -1,5 +1,6 @@
 #include "apps/python/samples.h"
 
+#include <cmath>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -34,6 +35,12 @@ void check(const TrackerSample& s) {
   }
 }
 
+void check(const MouseSample& s) {
+  if (!devices::plausible(devices::Sample(s))) {
+    throw std::invalid_argument("sample: expected all times within the limits of a log");
+  }
+}
+
 TrackerSample tracker_sample(std::int32_t station, std::int64_t time_us, const Vec3& position,
                              const Quaternion& quaternion, std::uint8_t buttons,
                              const std::string& status, std::int64_t sequence,
@@ -62,8 +69,10 @@ TrackerSample tracker_sample(std::int32_t station, std::int64_t time_us, const V
 
 MouseSample mouse_sample(std::int64_t time_us, bool left_thumb, bool right_thumb, bool trigger,
                          std::int64_t host_time_us, std::int64_t session_time_us) {
-  return {Time{time_us}, Time{host_time_us},   left_thumb, right_thumb,
-          trigger,       Time{session_time_us}};
+  const MouseSample s{Time{time_us}, Time{host_time_us},   left_thumb, right_thumb,
+                      trigger,       Time{session_time_us}};
+  check(s);
+  return s;
 }
 
 template <typename Sample>
@@ -80,7 +89,14 @@ struct Cells {
     return row[py::str(name)].attr("item")().cast<T>();
   }
   bool has(const char* name) const { return row.attr("dtype").attr("names").contains(name); }
-  Time time(const char* name) const { return microseconds(at<double>(name)); }
+  Time time(const char* name) const {
+    constexpr double kMost = 1e12;  // [s]; a Time has room for 9e12
+    const double found = at<double>(name);
+    if (std::abs(found) <= kMost) return microseconds(found);
+    throw std::invalid_argument(std::string("sample: ") + name +
+                                ": expected a time within the limits of a log, found " +
+                                py::repr(py::float_(found)).cast<std::string>());
+  }
   std::string text(const char* name) const { return py::str(row[py::str(name)]); }
 };
 
@@ -107,8 +123,10 @@ devices::Sample tracker_in(const Cells& c) {
 }
 
 devices::Sample mouse_in(const Cells& c) {
-  return MouseSample{c.time("device_time_s"),   c.time("host_time_s"), c.at<bool>("left_thumb"),
-                     c.at<bool>("right_thumb"), c.at<bool>("trigger"), c.time("session_time_s")};
+  const MouseSample s{c.time("device_time_s"),   c.time("host_time_s"), c.at<bool>("left_thumb"),
+                      c.at<bool>("right_thumb"), c.at<bool>("trigger"), c.time("session_time_s")};
+  check(s);
+  return s;
 }
 
 std::vector<devices::Sample> in_table(const py::object& rows) {

@@ -11,7 +11,7 @@ namespace headpin::python {
 void add_samples(py::module_& module);
 
 /// @param what  a sample, samples, or rows of the tables `trackers` or `buttons` (docs/tables.md)
-/// @throws std::invalid_argument  for something else, and for poses that are none
+/// @throws std::invalid_argument  for something else, and for poses and times that are none
 std::vector<devices::Sample> samples_of(const py::object& what);
 
 }  // namespace headpin::python

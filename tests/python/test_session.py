@@ -222,11 +222,28 @@ class OfAScenario(unittest.TestCase):
             ),
             (lambda: headpin.TrackerSample(1, 0, [0, 0, np.nan], [1, 0, 0, 0]), "finite position"),
             (lambda: headpin.TrackerSample(1, 0, [0, 0, 0], [1, 1, 0, 0]), "unit quaternion"),
+            (lambda: headpin.MouseSample(-(2**63)), "all times within the limits of a log"),
+            (lambda: headpin.MouseSample(0, host_time_us=2**63 - 1), "all times within"),
+            (lambda: headpin.MouseSample(0, session_time_us=4 * 10**15), "all times within"),
             (lambda: session.push("sample"), "expected a TrackerSample or a MouseSample"),
             (lambda: session.push(np.zeros(3)), "expected rows of the table"),
         ):
             with self.assertRaisesRegex(ValueError, words):
                 wrong()
+
+    def test_refuses_tables_with_times_that_cannot_be(self):
+        trial = headpin.Trial(support.DEMO)
+        session = headpin.Session(trial.scenario)
+        for table in (trial.samples, trial.buttons):
+            for column in ("device_time_s", "host_time_s", "session_time_s"):
+                for time in (np.nan, np.inf, -1e300, 5e9):
+                    wrong = table.copy()
+                    wrong[column][-1] = time
+                    with self.assertRaisesRegex(ValueError, "within the limits of a log", msg=(column, time)):
+                        session.push(wrong)
+            session.push(table)  # nothing of the others was taken
+        session.step(trial.replay().summary["ticks"])
+        self.assertEqual(session.game_hash, trial.replay().game_hash)
 
 
 if __name__ == "__main__":
