@@ -1,6 +1,7 @@
 #include "apps/python/response.h"
 
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 
 #include <pybind11/eigen.h>
@@ -37,6 +38,16 @@ Vec3 call(CLaw law, const Encounter& e, const Coefficients& c) {
   return F;
 }
 
+/// The number as an address; nothing for True and False, and where no address is so large.
+std::optional<std::uintptr_t> address_of(const py::object& law) {
+  if (!py::isinstance<py::int_>(law) || py::isinstance<py::bool_>(law)) return std::nullopt;
+  static_assert(sizeof(std::uintptr_t) == sizeof(unsigned long long));
+  const std::uintptr_t address = PyLong_AsUnsignedLongLong(law.ptr());
+  if (PyErr_Occurred() == nullptr) return address;
+  PyErr_Clear();  // the words are those for other kinds
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::shared_ptr<const engine::Response> own_response(const py::object& law,
@@ -45,10 +56,9 @@ std::shared_ptr<const engine::Response> own_response(const py::object& law,
   own.name = "custom";
   own.sliding = engine::response_named(sliding).sliding;
   own.keeps = "what its function keeps";
-  if (py::isinstance<py::int_>(law)) {
-    const auto address = law.cast<std::uintptr_t>();
-    if (address == 0) throw std::invalid_argument("response: the address of its function is 0");
-    const auto function = reinterpret_cast<CLaw>(address);
+  if (const std::optional<std::uintptr_t> address = address_of(law)) {
+    if (*address == 0) throw std::invalid_argument("response: the address of its function is 0");
+    const auto function = reinterpret_cast<CLaw>(*address);
     own.impulse = [function](const Encounter& e, const Coefficients& c) {
       return call(function, e, c);
     };

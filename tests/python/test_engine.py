@@ -235,9 +235,11 @@ class OwnResponse(unittest.TestCase):
                 self.bounces(response=lambda *_, given=given: given)
 
     def test_is_a_function_or_an_address(self):
-        for wrong, words in ((0, "address"), (1.5, "expected a name, a function or the address")):
-            with self.assertRaisesRegex(ValueError, words):
+        for wrong in (1.5, True, False, -1, 2**64):
+            with self.assertRaisesRegex(ValueError, "expected a name, a function or the address.*found " + repr(wrong)):
                 engine.World(response=wrong)
+        with self.assertRaisesRegex(ValueError, "the address of its function is 0"):
+            engine.World(response=0)
 
     def test_cannot_use_the_world_that_calls_it(self):
         def law(u, K, N, elasticity, friction):

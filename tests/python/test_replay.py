@@ -72,6 +72,8 @@ class Replay(unittest.TestCase):
             trial.replay(response=asks)
         with self.assertRaisesRegex(ValueError, "expected a name, a function"):
             trial.replay(response=1.5)
+        with self.assertRaisesRegex(ValueError, "expected a name, a function.*found True"):
+            trial.replay(response=True)
         with self.assertRaisesRegex(ValueError, "honey"):
             trial.replay(response=fails, sliding="honey")
         self.assertEqual(len(trial.samples), 841)

@@ -206,6 +206,8 @@ class OfAScenario(unittest.TestCase):
             headpin.Session("./there-is-none.toml")
         with self.assertRaisesRegex(ValueError, "paper"):
             headpin.Session(SCENARIO, response="rubber")
+        with self.assertRaisesRegex(ValueError, "a name, a function or the address.*found True"):
+            headpin.Session(SCENARIO, response=True)
 
     def test_refuses_samples_that_cannot_be(self):
         session = headpin.Session(SCENARIO)
