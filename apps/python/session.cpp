@@ -1,6 +1,7 @@
 #include "scene/play/session.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include "apps/python/engine.h"
 #include "apps/python/in_use.h"
@@ -63,16 +65,23 @@ struct PySession {
   }
 };
 
-scene::Scenario scenario_of(const std::string& name) {
-  const bool is_text = name.find_first_of("\n=") != std::string::npos;
-  if (is_text) return scene::parse_scenario(name, "scenario");
-  const std::string path = scene::scenario_path(name);
+scene::Scenario load(const std::string& path) {
   return reading<std::runtime_error>(path, [&] { return scene::load_scenario(path); });
+}
+
+/// @param given  a path object; or a text: the path of a file, a bundled name, or a scenario
+scene::Scenario scenario_of(const py::object& given) {
+  if (py::hasattr(given, "__fspath__")) return load(given.cast<std::filesystem::path>().string());
+  const std::string name = py::str(given);
+  if (name.find_first_of("\n=") == std::string::npos) return load(scene::scenario_path(name));
+  std::error_code none;
+  const bool is_path = name.find('\n') == std::string::npos && std::filesystem::exists(name, none);
+  return is_path ? load(name) : scene::parse_scenario(name, "scenario");
 }
 
 std::unique_ptr<PySession> session_of(const py::object& scenario, const py::object& response,
                                       const std::string& sliding) {
-  scene::Scenario read = scenario_of(py::str(scenario));
+  scene::Scenario read = scenario_of(scenario);
   if (py::isinstance<py::str>(response)) {
     scene::set(read, "collision.response='" + response.cast<std::string>() + "'", "response");
     engine::response_named(sliding);  // throws for an unknown name, also where it is not used
@@ -208,13 +217,15 @@ void add_session(py::module_& module) {
                                 "The ticks are those of `headpin replay`: the samples of a trial "
                                 "give the hashes of the trial.");
   session
-      .def(py::init(&session_of), "scenario"_a, py::kw_only(), "response"_a = py::none(),
-           "sliding"_a = "paper",
-           "scenario: a path, the name of a bundled scenario, or the text of one (TOML).\n"
-           "response: None, the scenario's; paper, coulomb; or a law of one's own, as for "
-           "headpin.engine.World.\nsliding: with such a law, paper or coulomb: how sliding "
-           "continues "
-           "at lasting contacts.")
+      .def(
+          py::init(&session_of), "scenario"_a, py::kw_only(), "response"_a = py::none(),
+          "sliding"_a = "paper",
+          "scenario: a path, the name of a bundled scenario, or the text of one (TOML). A text with "
+          "= that names a file is its path.\n"
+          "response: None, the scenario's; paper, coulomb; or a law of one's own, as for "
+          "headpin.engine.World.\nsliding: with such a law, paper or coulomb: how sliding "
+          "continues "
+          "at lasting contacts.")
       .def(
           "push", push, "sample"_a,
           "Hands samples to the session: a TrackerSample, a MouseSample, a list of them, or rows "

@@ -2,6 +2,8 @@
 
 import csv
 import os
+import pathlib
+import shutil
 import tempfile
 import unittest
 
@@ -174,6 +176,17 @@ class OfAScenario(unittest.TestCase):
         self.assertEqual(of_text.state_hash, of_path.state_hash)
         self.assertEqual(of_text.names, of_path.names)
         self.assertIn("ball", of_path.names)
+
+    def test_may_be_a_path_with_any_letter(self):
+        of_path = headpin.Session(SCENARIO)
+        for name in ("friction=0.1.toml", "fr=1", "two\nlines.toml", "caf\udce9.toml"):
+            path = pathlib.Path(support.file(name))
+            shutil.copy(SCENARIO, path)
+            self.assertEqual(headpin.Session(path).state_hash, of_path.state_hash, ascii(name))
+        self.assertEqual(headpin.Session(support.file("fr=1")).state_hash, of_path.state_hash)
+        with self.assertRaisesRegex(FileNotFoundError, "ball.mass=6"):
+            headpin.Session(pathlib.Path("ball.mass=6"))
+        headpin.Session("ball.mass=6")  # a text
 
     def test_moves_the_solid_hand_with_its_samples(self):
         session = headpin.Session(SCENARIO)
