@@ -14,6 +14,15 @@ std::string joined(const py::handle& values, char open, char close, const Each& 
   return all + close;
 }
 
+/// TOML's and JSON's texts are written alike, but TOML takes no halves of a letter, and no U+007F. A half
+/// that the text has itself stays one, which TOML refuses.
+std::string text_in_toml(const py::handle& text) {
+  const py::object dumps = py::module_::import("json").attr("dumps");
+  const py::object all =
+      dumps(text, py::arg("ensure_ascii") = false).attr("replace")("\x7f", "\\u007f");
+  return all.attr("encode")("utf-8", "backslashreplace").cast<std::string>();
+}
+
 }  // namespace
 
 std::string to_toml(const py::handle& value) {
@@ -21,9 +30,7 @@ std::string to_toml(const py::handle& value) {
   if (py::isinstance<py::int_>(value) || py::isinstance<py::float_>(value)) {
     return py::str(py::repr(value));
   }
-  if (py::isinstance<py::str>(value)) {  // TOML's and JSON's texts are written alike
-    return py::str(py::module_::import("json").attr("dumps")(value));
-  }
+  if (py::isinstance<py::str>(value)) return text_in_toml(value);
   if (py::hasattr(value, "tolist")) return to_toml(value.attr("tolist")());
   if (py::isinstance<py::dict>(value)) {
     return joined(value.attr("items")(), '{', '}', [](const py::handle& pair) {

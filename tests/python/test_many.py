@@ -106,6 +106,14 @@ class Replays(unittest.TestCase):
         summary = support.json_of("replay", support.DEMO, *words)
         self.assertEqual(once["state_hash"].tolist(), [summary["state_hash"]])
 
+    def test_texts_may_have_any_letter(self):
+        names = ["\U0001f600", "\x7f", 'caf\u00e9 " \\']
+        found = headpin.replay_many(support.DEMO, {"name": names})
+        self.assertEqual(found["error"].tolist(), [""] * 3)
+        self.assertEqual(found["name"].tolist(), names)
+        half = headpin.replay_many(support.DEMO, {"name": ["\ud83d"]})
+        self.assertIn("surrogates", half["error"][0])
+
     def test_a_replay_that_fails_has_its_reason_and_no_numbers(self):
         table = {"ball.mass": [6.0, -1.0]}
         good, bad = headpin.replay_many(support.DEMO, table)

@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 import threading
+import tomllib
 import unittest
 
 import headpin
@@ -82,6 +83,14 @@ class Replay(unittest.TestCase):
         far = headpin.Trial(support.DEMO).replay(set={"ball.home": [1.5, 1.0, 0.85]})
         self.assertIn("too far to take it", far.summary["why_nothing_fell"])
         self.assertNotIn("why_nothing_fell", headpin.Trial(support.DEMO).replay().summary)
+
+    def test_takes_texts_with_any_letter(self):
+        name = "caf\u00e9 \U0001f600 \x7f \t \" \\"
+        path = support.file("any_letter.lcmlog")
+        headpin.Trial(support.DEMO).replay(set={"name": name}).save(path)
+        self.assertEqual(tomllib.loads(headpin.Trial(path).scenario)["name"], name)
+        with self.assertRaisesRegex(ValueError, "name=.*surrogates"):
+            headpin.Trial(support.DEMO).replay(set={"name": "\ud83d"})  # half a letter
 
     def test_is_saved_as_the_command_saves_it(self):
         paths = [support.file("by_command.lcmlog"), support.file("by_python.lcmlog")]

@@ -102,7 +102,10 @@ def _text(value):
     if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0):
         value = value.item()
     if isinstance(value, str):
-        return json.dumps(value)  # TOML's and JSON's texts are written alike
+        # TOML's and JSON's texts are written alike, but TOML takes no halves of a letter, and no U+007F.
+        # A half that the text has itself stays one, which TOML refuses.
+        text = json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+        return text.encode("utf-8", "backslashreplace").decode()
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (int, float)):
