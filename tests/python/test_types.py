@@ -22,6 +22,9 @@ frame = trial.frames(250, depth=True)
 pixels: np.typing.NDArray[np.uint8] = frame.image
 both: list[headpin.Frame] = trial.frames(range(3), eye="both")
 difference: str | None = trial.verify()
+sample = headpin.TrackerSample(2, 30_000, [0, 0, 1], [1, 0, 0, 0], 1, status="", sequence=3, host_time_us=9_000,
+                               session_time_us=0, sent_time_us=8_000, position_estimated=True,
+                               orientation_estimated=False)
 """
 
 WRONG = ['headpin.Trial(3)', 'headpin.Trial("x").replay(fricton=0)', 'headpin.Trial("x").frames(1, eye="middle")',

@@ -22,6 +22,9 @@ class TrackerSample:
         sequence: int = 0,
         host_time_us: int = 0,
         session_time_us: int = 0,
+        sent_time_us: int = 0,
+        position_estimated: bool = False,
+        orientation_estimated: bool = False,
     ) -> None: ...
     @property
     def station(self) -> int: ...
