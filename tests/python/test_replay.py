@@ -1,5 +1,6 @@
 """A replay from Python is that of the command, to the bit."""
 
+import errno
 import signal
 import subprocess
 import sys
@@ -111,8 +112,9 @@ class Replay(unittest.TestCase):
         with open(path, "w", encoding="ascii") as file:
             file.write("mine")
         replay = headpin.Trial(support.DEMO).replay()
-        with self.assertRaisesRegex(FileExistsError, "there.lcmlog.*overwrite=True"):
+        with self.assertRaisesRegex(FileExistsError, "there.lcmlog.*overwrite=True") as raised:
             replay.save(path)
+        self.assertEqual(raised.exception.errno, errno.EEXIST)
         with open(path, encoding="ascii") as file:
             self.assertEqual(file.read(), "mine")
         replay.save(path, overwrite=True)

@@ -1,6 +1,7 @@
 """A trial in Python is that of the commands: every number, every word, whatever happens to the file."""
 
 import csv
+import errno
 import gc
 import os
 import shutil
@@ -172,6 +173,7 @@ class DamagedTrials(unittest.TestCase):
         with self.assertRaises(FileNotFoundError) as raised:
             headpin.Trial("absent.lcmlog")
         self.assertIn(str(raised.exception), said)
+        self.assertEqual(raised.exception.errno, errno.ENOENT)
 
 
 class Files(unittest.TestCase):
