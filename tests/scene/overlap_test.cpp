@@ -76,8 +76,9 @@ TEST(Overlap, OfTwoBallsIsTheirLens) {
 }
 
 TEST(Overlap, OfASurfaceWithItselfIsItsVolume) {
-  Surface twice = round_body(0.1);
-  append(twice, twice);
+  const Surface once = round_body(0.1);
+  Surface twice = once;
+  append(twice, once);
   EXPECT_NEAR(overlap_within(twice), 0.5 * volume_of(twice), 1e-3 * volume_of(twice));
 }
 
