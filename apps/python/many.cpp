@@ -15,6 +15,7 @@
 #include "apps/python/interrupts.h"
 #include "apps/python/module.h"
 #include "apps/python/reading.h"
+#include "base/threads.h"
 #include "sweep/result.h"
 #include "sweep/runner.h"
 
@@ -48,10 +49,12 @@ class Replays {
   /// @throws std::runtime_error  when no thread can be made
   void run(std::size_t threads, const std::function<void(std::size_t)>& poll) {
     block_ = std::clamp<std::size_t>(plan_.size() / (8 * threads), 1, 16);
-    std::vector<std::thread> all = begin(std::min(threads, plan_.size()));
+    const int most = static_cast<int>(std::min(threads, plan_.size()));
+    std::vector<std::jthread> all = base::begin_threads(most, [this] { work(); });
+    if (all.empty() && most > 0) throw std::runtime_error("threads: none could be made");
     try {
       std::unique_lock lock(mutex_);
-      while (running_ > 0) {
+      while (over_ < all.size()) {
         ended_.wait_for(lock, std::chrono::milliseconds(100));
         lock.unlock();
         poll(done_);
@@ -60,7 +63,7 @@ class Replays {
     } catch (...) {
       end_with(std::current_exception());
     }
-    for (std::thread& thread : all) thread.join();
+    all.clear();
     if (failure_) std::rethrow_exception(failure_);
   }
 
@@ -68,23 +71,6 @@ class Replays {
   const std::vector<Values>& cells() const { return cells_; }
 
  private:
-  /// As many threads as can be made, up to `most`.
-  std::vector<std::thread> begin(std::size_t most) {
-    std::vector<std::thread> all;
-    all.reserve(most);
-    running_ = most;
-    try {
-      while (all.size() < most) all.emplace_back([this] { work(); });
-    } catch (const std::exception& error) {  // no more are possible: go on with these
-      if (all.empty()) {
-        throw std::runtime_error(std::string("threads: none could be made: ") + error.what());
-      }
-      const std::lock_guard lock(mutex_);
-      running_ -= most - all.size();
-    }
-    return all;
-  }
-
   void work() {
     try {
       sweep::Replayer replayer(plan_.keys, plan_.trials);
@@ -98,7 +84,7 @@ class Replays {
       end_with(std::current_exception());
     }
     const std::lock_guard lock(mutex_);
-    --running_;
+    ++over_;
     ended_.notify_all();
   }
 
@@ -122,7 +108,7 @@ class Replays {
   std::atomic<bool> end_{false};
   std::mutex mutex_;
   std::condition_variable ended_;
-  std::size_t running_ = 0;
+  std::size_t over_ = 0;  ///< threads that have ended
   std::exception_ptr failure_;
 };
 
