@@ -19,6 +19,7 @@
 #include "scene/stage/convex_hull.h"
 #include "scene/stage/mesh_text.h"
 #include "scene/stage/outline.h"
+#include "tests/support/box_object.h"
 #include "tests/support/folder.h"
 
 namespace headpin::scene {
@@ -77,29 +78,11 @@ TEST(MeshFile, OfADentedCubeIsSeveralPolyhedra) {
   EXPECT_LT(by_pieces, by_hull);
 }
 
-/// Corners and faces of a box in an OBJ that has `before` corners already.
-std::string obj_of_box(const Vec3& low, const Vec3& high, int before) {
-  std::string text;
-  for (int i = 0; i < 8; ++i) {
-    text += fmt::format("v {} {} {}\n", (i & 1) != 0 ? high.x() : low.x(),
-                        (i & 2) != 0 ? high.y() : low.y(), (i & 4) != 0 ? high.z() : low.z());
-  }
-  for (const auto& [a, b, c, d] : {std::array{1, 3, 4, 2},
-                                   {5, 6, 8, 7},
-                                   {1, 2, 6, 5},
-                                   {3, 7, 8, 4},
-                                   {1, 5, 7, 3},
-                                   {2, 4, 8, 6}}) {
-    text += fmt::format("f {} {} {} {}\n", a + before, b + before, c + before, d + before);
-  }
-  return text;
-}
-
 // What is in two shells, or in two pieces, counts once.
 TEST(MeshFile, TellsHowMuchPiecesAddToShellsThatOverlap) {
   const std::filesystem::path path =
       file("headpin_overlapping.obj",
-           obj_of_box({0, 0, 0}, {2, 2, 2}, 0) + obj_of_box({1, 0, 0}, {3, 2, 2}, 8));
+           box_object({0, 0, 0}, {2, 2, 2}) + box_object({1, 0, 0}, {3, 2, 2}, 9));
   const auto box_to = [](double x) {
     std::vector<Vec3> corners;
     for (int i = 0; i < 8; ++i) {

@@ -13,6 +13,7 @@
 #include "scene/stage/convex_hull.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/stage/seen_mesh.h"
+#include "tests/support/box_object.h"
 #include "tests/support/folder.h"
 
 namespace headpin::scene {
@@ -82,33 +83,13 @@ TEST(Overlap, OfASurfaceWithItselfIsItsVolume) {
   EXPECT_NEAR(overlap_within(twice), 0.5 * volume_of(twice), 1e-3 * volume_of(twice));
 }
 
-/// Two walls of 0.12 x 0.04 x 0.3 m across each other.
-std::string cross_obj() {
-  std::string text;
-  for (const Vec2& half : {Vec2(0.06, 0.02), Vec2(0.02, 0.06)}) {
-    for (int i = 0; i < 8; ++i) {
-      text += fmt::format("v {} {} {}\n", (i & 1) != 0 ? half.x() : -half.x(),
-                          (i & 2) != 0 ? half.y() : -half.y(), (i & 4) != 0 ? 0.3 : 0.0);
-    }
-  }
-  for (const int first : {1, 9}) {
-    for (const auto& [a, b, c, d] : {std::array{0, 2, 3, 1},
-                                     {4, 5, 7, 6},
-                                     {0, 1, 5, 4},
-                                     {2, 6, 7, 3},
-                                     {0, 4, 6, 2},
-                                     {1, 3, 7, 5}}) {
-      text += fmt::format("f {} {} {} {}\n", first + a, first + b, first + c, first + d);
-    }
-  }
-  return text;
-}
-
 // The walls hold 0.008 m2 of each height: twice 0.0048, less the 0.0016 that are in both. Their hull, an
 // octagon, holds 0.0112. Beside 15 other parts there is room for one piece.
 TEST(PolyhedronPart, OfShellsThatOverlapTellsWhatItAddsToWhatTheyHoldTogether) {
   const TemporaryFolder folder;
-  spit(folder / "cross.obj", cross_obj());
+  // Two walls of 0.12 x 0.04 x 0.3 m across each other.
+  spit(folder / "cross.obj", box_object({-0.06, -0.02, 0.0}, {0.06, 0.02, 0.3}) +
+                                 box_object({-0.02, -0.06, 0.0}, {0.02, 0.06, 0.3}, 9));
   std::string parts = "{shape = 'polyhedron', file = 'cross.obj'}";
   const auto told = [&] {
     return not_convex(parse_scenario("[skittle]\nmass = 1.0\nparts = [" + parts + "]\n",

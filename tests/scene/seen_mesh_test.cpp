@@ -12,6 +12,7 @@
 #include "scene/looks/eyes.h"
 #include "scene/stage/bodies.h"
 #include "scene/stage/read_scenario.h"
+#include "tests/support/box_object.h"
 #include "tests/support/folder.h"
 
 namespace headpin::scene {
@@ -74,24 +75,6 @@ TEST(PolyhedronPart, StandsUntilItIsStruck) {
                   (kMeshes / "skittle_hull.obj").string()),
       "x");
   expect_stands(scenario);
-}
-
-/// A box as an object of an OBJ file whose corners are numbered from `first`.
-std::string box_object(const Vec3& low, const Vec3& high, int first) {
-  std::string text = "o box\n";
-  for (int k = 0; k < 8; ++k) {
-    text += fmt::format("v {} {} {}\n", (k & 1) != 0 ? high.x() : low.x(),
-                        (k & 2) != 0 ? high.y() : low.y(), (k & 4) != 0 ? high.z() : low.z());
-  }
-  for (const auto& [a, b, c, d] : {std::array{0, 2, 3, 1},
-                                   {4, 5, 7, 6},
-                                   {0, 1, 5, 4},
-                                   {2, 6, 7, 3},
-                                   {0, 4, 6, 2},
-                                   {1, 3, 7, 5}}) {
-    text += fmt::format("f {} {} {} {}\n", a + first, b + first, c + first, d + first);
-  }
-  return text;
 }
 
 // By hand: the moments of the boxes about the base, matter where they overlap once.
