@@ -49,6 +49,7 @@ std::span<const ContactPoint> points_at_end(World& world, const Touches& touches
   const bool swapped = c.a != touch.a;
   contacts_of(world, c, w.end_normals, swapped ? X_WB : X_WA, swapped ? X_WA : X_WB, 0.0,
               w.end_points);
+  keep_points_of(world, c, touch, 0, w.end_points);
   for (ContactPoint& p : w.end_points) {
     if (swapped) p.n_AB_W = -p.n_AB_W;
   }

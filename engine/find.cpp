@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <utility>
 
 #include "engine/inlining.h"
 #include "engine/meeting.h"
@@ -98,8 +99,9 @@ void find_pairs(World& world, const Flight& flight, Workspace& w) {
 /// @param last  the first touch of the last step that may be the same pair; moves forward
 void recall(const World& world, Touch& touch, std::size_t& last) {
   const Memory& m = world.memory;
-  while (last < m.touches.size() && m.touches[last].key < touch.key) ++last;
-  touch.fresh = last == m.touches.size() || m.touches[last].key != touch.key;
+  const auto order = [](const auto& t) { return std::pair(t.key, t.part); };
+  while (last < m.touches.size() && order(m.touches[last]) < order(touch)) ++last;
+  touch.fresh = last == m.touches.size() || order(m.touches[last]) != order(touch);
   touch.last = static_cast<std::uint32_t>(last);
   touch.met = !touch.fresh && m.touches[last].met;
   if (!touch.fresh && touch.b_driven) {
@@ -120,21 +122,25 @@ bool test_candidates(World& world, const Flight& flight, Touches& touches) {
   touches.points.clear();
   std::size_t last = 0;
   for (std::uint32_t k = 0; k < touches.candidates.size(); ++k) {
-    if (!add_touch(world, flight, k, 0.0, touches)) continue;
-    Touch& touch = touches.all.back();
-    for (const BodyId sleeper : {touch.a, touch.b}) {
-      if (world.asleep[sleeper] && (is_being_left(world, flight, touches, touch, sleeper) ||
-                                    really_touch(world, flight, touches, touch))) {
-        wake(world, sleeper);
-        woken = true;
+    const std::size_t had = touches.all.size();
+    const std::size_t count = add_touches(world, flight, k, 0.0, touches);
+    if (count == 0) continue;
+    for (std::size_t n = had; n < had + count; ++n) {
+      const Touch touch = touches.all[n];
+      for (const BodyId sleeper : {touch.a, touch.b}) {
+        if (world.asleep[sleeper] && (is_being_left(world, flight, touches, touch, sleeper) ||
+                                      really_touch(world, flight, touches, touch))) {
+          wake(world, sleeper);
+          woken = true;
+        }
       }
     }
-    if (!is_mover(world, touch.a) || woken) {
-      touches.points.resize(touch.first_point);
-      touches.all.pop_back();
+    if (!is_mover(world, touches.all[had].a) || woken) {
+      touches.points.resize(touches.all[had].first_point);
+      touches.all.resize(had);
       continue;
     }
-    recall(world, touch, last);
+    for (std::size_t n = had; n < had + count; ++n) recall(world, touches.all[n], last);
   }
   touches.early = touches.all.size();
   return woken;

@@ -297,22 +297,34 @@ class Queue {
     }
   }
 
-  /// Adds the touch of a pair that had none at the start of the step, if the pair may meet now.
+  /// Adds the touch of a pair that had none at the start of the step, if the pair may meet now; or the
+  /// touches of the parts of a fixed body that had none.
   void meet_late(std::uint64_t key, BodyId a, BodyId b) {
-    bool known = false;
-    const auto is_it = [&](std::uint32_t k) { known = known || touches_.all[k].key == key; };
-    each_touch_of(a, is_it);
-    each_touch_of(b, is_it);
-    if (known) return;
-    const std::uint32_t candidate = candidate_of(key, a, b);
+    std::vector<std::uint32_t>& known = w_.known;
+    known.clear();
+    const auto add = [&](std::uint32_t k) {
+      if (touches_.all[k].key == key) known.push_back(k);
+    };
+    each_touch_of(a, add);
+    each_touch_of(b, add);
+    if (!known.empty() && !has_touch_for_each_part(world_, {.a = a, .b = b})) return;
+    const std::uint32_t candidate =
+        known.empty() ? candidate_of(key, a, b) : touches_.all[known[0]].candidate;
     const double t = std::max(flight_.bodies[a].clock, flight_.bodies[b].clock);
-    if (!add_touch(world_, flight_, candidate, t, touches_)) return;
-    flight_.touches.emplace_back();
-    Touch& touch = touches_.all.back();
-    touch.sliding = sliding_of(world_, touch);
-    const auto k = static_cast<std::uint32_t>(touches_.all.size() - 1);
-    list(k);
-    note(k);
+    const std::size_t had = touches_.all.size();
+    if (add_touches(world_, flight_, candidate, t, touches_) == 0) return;
+    const auto is_known = [&](const Touch& touch) {
+      return std::ranges::any_of(
+          known, [&](std::uint32_t k) { return touches_.all[k].part == touch.part; });
+    };
+    const auto first = touches_.all.begin() + static_cast<std::ptrdiff_t>(had);
+    touches_.all.erase(std::remove_if(first, touches_.all.end(), is_known), touches_.all.end());
+    for (std::size_t k = had; k < touches_.all.size(); ++k) {
+      flight_.touches.emplace_back();
+      touches_.all[k].sliding = sliding_of(world_, touches_.all[k]);
+      list(static_cast<std::uint32_t>(k));
+    }
+    for (std::size_t k = had; k < flight_.touches.size(); ++k) note(static_cast<std::uint32_t>(k));
   }
 
   std::uint32_t candidate_of(std::uint64_t key, BodyId a, BodyId b) {

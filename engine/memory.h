@@ -30,7 +30,8 @@ struct Load {
 
 /// Data of a touch for the same touch in the next step.
 struct PastTouch {
-  std::uint64_t key = 0;  ///< they are in the order of their keys
+  std::uint64_t key = 0;   ///< they are in the order of their keys and parts
+  std::uint32_t part = 0;  ///< of a fixed body, where its parts are touched each on its own
   bool met = false, struck = false;
   std::uint32_t first_load = 0, loads = 0;  ///< in `Memory::loads`
   double friction = 0.0;

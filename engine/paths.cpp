@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "engine/rules.h"
+#include "engine/seams.h"
 
 namespace headpin::engine::detail {
 namespace {
@@ -56,6 +57,7 @@ bool know_roll(World& world) {
 
 void depart(World& world, Flight& flight) {
   know_roll(world);
+  know_seams(world);
   const Parameters& p = world.parameters;
   const double dt = step_seconds(world), g = p.gravity_W.norm();
   flight.lasting_speed = std::max(p.impact_speed, 2.5 * g * dt);  // above gravity's part in a step

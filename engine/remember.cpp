@@ -29,10 +29,9 @@ void remember(World& world, Touches& touches, const Flight& flight, Solved& solv
   for (std::size_t k = 0; k < touches.early; ++k) {
     const Touch& t = touches.all[k];
     const SolvedTouch& s = solved.touches[k];
-    memory.touches[k] = {t.key,        s.met,        flight.touches[k].struck,
-                         s.first_load, s.rows,       t.pair.friction,
-                         t.sliding,    s.friction_W, s.roll,
-                         s.twist};
+    memory.touches[k] = {t.key,        t.part, s.met,           flight.touches[k].struck,
+                         s.first_load, s.rows, t.pair.friction, t.sliding,
+                         s.friction_W, s.roll, s.twist};
   }
   world.statistics.contacts = static_cast<std::int64_t>(memory.loads.size());
   world.statistics.awake = static_cast<std::int64_t>(world.roll.movers.size());

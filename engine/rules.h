@@ -73,6 +73,24 @@ inline bool keeps_rooms_exact(const Parameters& p) {
 
 // Since rules 9: how the bodies of a scene are made. See skittle_body() in scene/stage/bodies.cpp.
 
+// Since rules 10: floors and walls of several parts.
+
+/// What touches several parts of a fixed body touches each of them, as if they were bodies of their own.
+/// In one touch, a part far away may push what another part carries, and friction has one plane for all.
+inline bool touches_each_part(const Parameters& p) {
+  return p.rules >= 10;
+}
+
+/// Where flat faces of fixed parts join to one plane, nothing meets the edges between them.
+inline bool joins_faces(const Parameters& p) {
+  return p.rules >= 10;
+}
+
+/// The arm of twisting friction is measured across its normal: in a groove it is none.
+inline bool spreads_across(const Parameters& p) {
+  return p.rules >= 10;
+}
+
 /// The query with what older rules lack switched off.
 inline Query query_under(const Parameters& p) {
   Query query = p.query;

@@ -4,15 +4,20 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "engine/bodies.h"
+#include "engine/rules.h"
 #include "engine/saved_bytes.h"
 
 namespace headpin::engine {
 namespace {
 
 constexpr std::string_view kMagic = "HPWORLD";
-constexpr std::uint8_t kVersion = 2;
+/// Version of the bytes: 3 with the parts that are touched, under the rules that have them.
+std::uint8_t version_of(const World& world) {
+  return detail::touches_each_part(world.parameters) ? 3 : 2;
+}
 
 [[noreturn]] void refuse(const std::string& why) {
   throw std::invalid_argument("saved world: " + why);
@@ -117,8 +122,9 @@ void each_balance(L& ledger, M& memory, auto&& f) {
 }
 
 template <typename T>
-void each_number_of_touch(T& t, auto&& f) {
+void each_number_of_touch(T& t, bool has_part, auto&& f) {
   f(t.key);
+  if (has_part) f(t.part);
   f(t.met);
   f(t.struck);
   f(t.first_load);
@@ -177,11 +183,14 @@ void get_touches(SavedReader& r, const World& world, Memory& memory) {
     r.get(load.impulse);
     r.get(load.feature);
   }
+  const bool has_parts = detail::touches_each_part(world.parameters);
   memory.touches.resize(r.count(kTouchBytes));
   const PastTouch* last = nullptr;
   for (PastTouch& touch : memory.touches) {
-    each_number_of_touch(touch, [&](auto& x) { r.get(x); });
-    if (last != nullptr && last->key >= touch.key) refuse("touches are in no order");
+    each_number_of_touch(touch, has_parts, [&](auto& x) { r.get(x); });
+    if (last != nullptr && std::pair(last->key, last->part) >= std::pair(touch.key, touch.part)) {
+      refuse("touches are in no order");
+    }
     const std::uint64_t end = std::uint64_t{touch.first_load} + touch.loads;
     if (end > memory.loads.size()) refuse("a touch has loads that are not there");
     if (!(touch.friction >= 0.0 && touch.friction <= 1.0)) refuse("friction is not in 0 to 1");
@@ -231,7 +240,7 @@ void get_candidates(SavedReader& r, const World& world, Memory& memory) {
 }  // namespace
 
 std::vector<std::uint8_t> save(const World& world) {
-  SavedWriter w(kMagic, kVersion);
+  SavedWriter w(kMagic, version_of(world));
   w.add(made_of(world));
   w.add(world.tick);
   const auto add = [&](const auto& x) { w.add(x); };
@@ -253,7 +262,9 @@ std::vector<std::uint8_t> save(const World& world) {
     w.add(load.feature);
   }
   add_count(memory.touches);
-  for (const PastTouch& touch : memory.touches) each_number_of_touch(touch, add);
+  for (const PastTouch& touch : memory.touches) {
+    each_number_of_touch(touch, detail::touches_each_part(world.parameters), add);
+  }
   add_count(memory.normals);
   for (const KeptNormal& normal : memory.normals) {
     w.add(static_cast<std::uint8_t>(normal.of));
@@ -270,7 +281,7 @@ std::vector<std::uint8_t> save(const World& world) {
 }
 
 World restore(World world, std::span<const std::uint8_t> bytes) {
-  SavedReader r(bytes, kMagic, kVersion, "saved world");
+  SavedReader r(bytes, kMagic, version_of(world), "saved world");
   std::uint64_t made = 0;
   r.get(made);
   if (made != made_of(world)) refuse("was made of other bodies or parameters");

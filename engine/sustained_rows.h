@@ -195,7 +195,8 @@ struct Foot {
   double spread = 0.0;  // of the points about the foot, root of the mean square [m]
 };
 
-inline Foot foot_of(std::span<const NormalRow> rows, const ContactPoint* points) {
+/// @param level  measure the spread across the normal: what lies along it is no arm of a twist
+inline Foot foot_of(std::span<const NormalRow> rows, const ContactPoint* points, bool level) {
   if (rows.size() == 1) return {points[0].p_W, rows[0].n, 0.0};
   double load = 0.0, deepest = points[0].depth;
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -233,6 +234,13 @@ inline Foot foot_of(std::span<const NormalRow> rows, const ContactPoint* points)
     foot.n += std::copysign(weight(k), rows[k].n.dot(side)) * rows[k].n;
   }
   foot.n.normalize();
+  if (!level) return foot;
+  double along = 0.0;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double height = foot.n.dot(points[k].p_W - foot.p_W);
+    along += weight(k) * height * height;
+  }
+  foot.spread = std::sqrt(std::max(0.0, foot.spread * foot.spread - along * inverse));
   return foot;
 }
 
@@ -334,8 +342,8 @@ void add_friction(const Island& s, std::uint32_t index) {
   const Touch& touch = s.touches[index];
   const SolvedTouch& solved = s.solved[index];
   const double kept = touch.sliding.kept;
-  const Foot foot =
-      foot_of({s.normals.data() + solved.first_row, solved.rows}, s.points + touch.first_point);
+  const Foot foot = foot_of({s.normals.data() + solved.first_row, solved.rows},
+                            s.points + touch.first_point, spreads_across(world.parameters));
   FrictionRows& f = s.rows.friction.emplace_back();
   f.touch = index;
   f.n = foot.n;

@@ -4,6 +4,7 @@
 
 #include "engine/inlining.h"
 #include "engine/rules.h"
+#include "engine/seams.h"
 
 namespace headpin::engine::detail {
 namespace {
@@ -69,8 +70,12 @@ void contacts_of(World& world, const Candidate& c, std::span<KeptNormal> normals
   const Body &a = world.bodies[c.a], &b = world.bodies[c.b];
   Query query = world.parameters.query;
   if ((a.exact || b.exact) && keeps_rooms_exact(world.parameters)) query.mode = Query::converged;
+  const std::size_t first = out.size();
   find_contacts(*a.shape, X_WA, *b.shape, X_WB, margin, normals, query, world.statistics.queries,
                 out);
+  if (!world.seams.all.empty() && query.mode == Query::converged) {
+    leave_out_seams(world, c.a, c.b, first, out);
+  }
 }
 
 std::uint32_t add_candidate(const World& world, std::uint64_t key, BodyId a, BodyId b,
@@ -96,8 +101,36 @@ bool was_loaded(const Memory& memory, const Touch& touch) {
   return false;
 }
 
-bool add_touch(World& world, const Flight& flight, std::uint32_t candidate, double t,
-               Touches& touches) {
+bool has_touch_for_each_part(const World& world, const Candidate& c) {
+  constexpr std::size_t kMostPairs = 1u << 16;  // of parts: as many numbers as a feature holds
+  if (!touches_each_part(world.parameters)) return false;
+  const Body &a = world.bodies[c.a], &b = world.bodies[c.b];
+  const Body* fixed = a.kind == Kind::fixed ? &a : b.kind == Kind::fixed ? &b : nullptr;
+  return fixed != nullptr && fixed->shape->parts.size() > 1 &&
+         a.shape->parts.size() * b.shape->parts.size() <= kMostPairs;
+}
+
+namespace {
+
+/// The part of the candidate's fixed body that a point is of.
+std::uint32_t part_of(const World& world, const Candidate& c, const ContactPoint& p) {
+  const auto of_b = static_cast<std::uint32_t>(world.bodies[c.b].shape->parts.size());
+  const std::uint32_t pair = p.feature >> 16;
+  return world.bodies[c.a].kind == Kind::fixed ? pair / of_b : pair % of_b;
+}
+
+}  // namespace
+
+void keep_points_of(const World& world, const Candidate& c, const Touch& touch, std::size_t first,
+                    std::vector<ContactPoint>& points) {
+  if (!has_touch_for_each_part(world, c)) return;
+  const auto begin = points.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto is_other = [&](const ContactPoint& p) { return part_of(world, c, p) != touch.part; };
+  points.erase(std::remove_if(begin, points.end(), is_other), points.end());
+}
+
+std::size_t add_touches(World& world, const Flight& flight, std::uint32_t candidate, double t,
+                        Touches& touches) {
   const Candidate& c = touches.candidates[candidate];
   const std::size_t first = touches.points.size();
   const double margin = reach(world, flight, c.a, c.b);
@@ -112,25 +145,35 @@ bool add_touch(World& world, const Flight& flight, std::uint32_t candidate, doub
     w_WA = a.w_WB;
     w_WB = b.w_WB;
   }
-  if (touches.points.size() == first) return false;
+  const std::size_t end = touches.points.size();
+  if (end == first) return 0;
   const bool a_moves = is_mover(world, c.a), b_moves = is_mover(world, c.b);
   const bool swapped = world.bodies[c.a].kind == Kind::fixed || (!a_moves && b_moves);
-  Touch& touch = touches.all.emplace_back();
-  touch.key = c.key;
-  touch.a = swapped ? c.b : c.a;
-  touch.b = swapped ? c.a : c.b;
-  touch.b_moves = a_moves && b_moves;
-  touch.b_driven = world.bodies[touch.b].kind == Kind::driven;
-  touch.candidate = candidate;
-  touch.first_point = static_cast<std::uint32_t>(first);
-  touch.points = static_cast<std::uint32_t>(touches.points.size() - first);
-  touch.time = t;
-  touch.w_WA = swapped ? w_WB : w_WA;
-  touch.w_WB = swapped ? w_WA : w_WB;
-  touch.fresh = true;
-  if (swapped) turn_normals(std::span(touches.points).subspan(first));
-  touch.pair = coefficients_of(world, touches, touch);
-  return true;
+  const std::span<ContactPoint> points = std::span(touches.points).subspan(first);
+  if (swapped) turn_normals(points);
+  const bool each_part = has_touch_for_each_part(world, c);
+  const auto part = [&](const ContactPoint& p) { return each_part ? part_of(world, c, p) : 0; };
+  if (each_part) std::ranges::stable_sort(points, {}, part);
+  const std::size_t had = touches.all.size();
+  for (std::size_t k = first; k < end;) {
+    Touch& touch = touches.all.emplace_back();
+    touch.key = c.key;
+    touch.part = part(touches.points[k]);
+    touch.a = swapped ? c.b : c.a;
+    touch.b = swapped ? c.a : c.b;
+    touch.b_moves = a_moves && b_moves;
+    touch.b_driven = world.bodies[touch.b].kind == Kind::driven;
+    touch.candidate = candidate;
+    touch.first_point = static_cast<std::uint32_t>(k);
+    while (k < end && part(touches.points[k]) == touch.part) ++k;
+    touch.points = static_cast<std::uint32_t>(k - touch.first_point);
+    touch.time = t;
+    touch.w_WA = swapped ? w_WB : w_WA;
+    touch.w_WB = swapped ? w_WA : w_WB;
+    touch.fresh = true;
+    touch.pair = coefficients_of(world, touches, touch);
+  }
+  return touches.all.size() - had;
 }
 
 void look_again(World& world, const Flight& flight, Touch& touch, double t, Touches& touches) {
@@ -143,6 +186,7 @@ void look_again(World& world, const Flight& flight, Touch& touch, double t, Touc
   touch.first_point = static_cast<std::uint32_t>(touches.points.size());
   contacts_of(world, c, normals_of(touches, c), swapped ? b.X_WB : a.X_WB,
               swapped ? a.X_WB : b.X_WB, reach(world, flight, touch.a, touch.b), touches.points);
+  keep_points_of(world, c, touch, touch.first_point, touches.points);
   touch.points = static_cast<std::uint32_t>(touches.points.size()) - touch.first_point;
   if (swapped) turn_normals(std::span(touches.points).subspan(touch.first_point));
   if (!has_places(world.bodies[touch.b])) return;

@@ -21,10 +21,19 @@ inline double reach(const World& world, const Flight& flight, BodyId a, BodyId b
 void contacts_of(World& world, const Candidate& c, std::span<KeptNormal> normals, const Pose& X_WA,
                  const Pose& X_WB, double margin, std::vector<ContactPoint>& out);
 
-/// Looks for contact points of a candidate at time `t` of the step; appends the touch if there are
-/// any.
-bool add_touch(World& world, const Flight& flight, std::uint32_t candidate, double t,
-               Touches& touches);
+/// Whether the parts of a candidate's fixed body are touched each on its own.
+bool has_touch_for_each_part(const World& world, const Candidate& c);
+
+/// Leaves out the contact points, from `first` on, that are not those of a touch: of other parts.
+void keep_points_of(const World& world, const Candidate& c, const Touch& touch, std::size_t first,
+                    std::vector<ContactPoint>& points);
+
+/// Looks for contact points of a candidate at time `t` of the step; appends its touches, if there are
+/// any points.
+///
+/// @return  how many: at most one, unless parts of a fixed body are touched each on its own
+std::size_t add_touches(World& world, const Flight& flight, std::uint32_t candidate, double t,
+                        Touches& touches);
 
 /// Finds the touch's points again, at time `t` of the step on the present paths of both bodies, and
 /// appends them.

@@ -22,6 +22,7 @@ inline constexpr std::uint32_t kNone = ~std::uint32_t{0};  ///< not a valid numb
 /// A pair of bodies close enough to meet within the step. A is free and awake.
 struct Touch {
   std::uint64_t key = 0;
+  std::uint32_t part = 0;  ///< of B, where its parts are touched each on its own
   BodyId a = 0, b = 0;
   bool b_moves = false;         ///< B is free and awake too
   bool b_driven = false;        ///< B is a driven body
@@ -38,7 +39,7 @@ struct Touch {
   Sliding sliding;
 };
 
-/// Touches in the order of their keys, with their points and normals. Impacts move points to the
+/// Touches in the order of their keys and parts, with their points and normals. Impacts move points to the
 /// time of the last impact of their bodies, remove points of bodies that pass each other, and
 /// append the touches of bodies that got faster. The appended touches are not sorted.
 struct Touches {
@@ -257,6 +258,8 @@ struct Workspace {
   std::vector<detail::Booked> booked;  ///< of the ledger, by body
   Balance by_impacts, by_driven;  ///< gains by the impacts of a step; by driven bodies in a stage
   BroadPhase broad_phase;
+  std::vector<std::uint32_t> known_parts;  // of a pair that has touches
+  std::vector<std::uint32_t> known;        ///< touches that a pair has already
   std::vector<std::uint32_t> near;  ///< bounded bodies near a body that an impact made faster
   std::vector<std::pair<double, std::uint32_t>> coming;  ///< impacts by time, and their touches
   std::vector<BodyId> halted;                            ///< bodies at the limit of impacts

@@ -49,7 +49,7 @@ struct Parameters {
   double sleep_speed = 0.01;  ///< [m/s]
   double sleep_spin = 0.03;   ///< [rad/s]
   double sleep_after = 0.25;  ///< [s]
-  int rules = 9;              ///< 1 to 8 are those of older trials; what they lack is in rules.h
+  int rules = 10;             ///< 1 to 9 are those of older trials; what they lack is in rules.h
   bool keep_ledger = false;   ///< `World::ledger`; costs about a tenth of a step
 };
 
@@ -101,6 +101,25 @@ struct Roll {
   std::vector<Plane> planes_W;  ///< of `unbounded`
 };
 
+/// Part of an edge of a face of a fixed polyhedron, behind which another fixed part goes on in the plane
+/// of the face.
+struct Seam {
+  BodyId body;
+  std::uint32_t part;
+  Vec3 up_W;  ///< normal of the face, unit, outward
+  double height;
+  Vec3 out_W;  ///< in the plane of the face, out of it, unit
+  double side;
+  Vec3 along_W;     ///< along the edge, unit
+  double from, to;  ///< [m]
+};
+
+/// The seams of all fixed bodies, by body and part; found when not `made`.
+struct Seams {
+  bool made = false;
+  std::vector<Seam> all;
+};
+
 }  // namespace detail
 
 /// Plain data: a copy continues with the same bits as the original. Between steps, change it only
@@ -121,6 +140,7 @@ struct World {
   const Response* response = nullptr;
   std::vector<Inertia> inertias;
   detail::Roll roll;
+  detail::Seams seams;
 };
 
 /// Buffers of a step (engine/workspace.h).

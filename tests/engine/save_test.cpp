@@ -343,5 +343,30 @@ TEST(SavedWorld, HasTheTouchesOfTheStepBefore) {
   EXPECT_GT(met, 10);
 }
 
+// Under rules 10 the parts of a fixed body have touches of their own.
+TEST(SavedWorld, GoesOnToTheBitWhereSeveralPartsOfABodyAreTouched) {
+  World made = make_world({.response = "coulomb"});
+  std::vector<Part> parts;
+  for (int k = 0; k < 4; ++k) {  // a trough of two sides, each of two boards
+    const double side = k % 2 == 0 ? -1.0 : 1.0;
+    parts.push_back({test::box({0.05, 1.0, 0.3}),
+                     {rotation(Vec3(0.0, side * 0.7, 0.0)), Vec3(0.12 * side, k / 2 * 2.0, 0.0)}});
+  }
+  add_body(made, {.name = "trough",
+                  .shape = make_compound(parts),
+                  .material = {0.5, 0.9},
+                  .kind = Kind::fixed});
+  add_body(made, ball_body({0.5, 0.9}), at(Vec3(0.0, 0.5, 0.4), Vec3(0.0, 2.0, 0.0)));
+  World world = made;
+  for (int k = 0; k < 120; ++k) step(world);
+  ASSERT_GT(world.memory.touches.size(), 1u) << "the test asks nothing";
+  World restored = restore(made, save(world));
+  for (int k = 0; k < 60; ++k) {
+    step(world);
+    step(restored);
+    ASSERT_EQ(hash_with_events(restored), hash_with_events(world)) << k;
+  }
+}
+
 }  // namespace
 }  // namespace headpin::engine

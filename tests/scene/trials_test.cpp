@@ -74,6 +74,35 @@ double deepest_ball(const std::string& path, std::int64_t rules) {
   return deepest;
 }
 
+/// How high above the floor the ball of a trial is at most, before it reaches the skittles [m].
+double highest_ball(const std::string& path, std::int64_t rules) {
+  const Recorded recorded = load_trial(path);
+  Scenario scenario = recorded.scenario;
+  scenario.collision.rules = rules;
+  Session session = make_session(scenario);
+  const engine::BodyId ball = session.stage->balls.front();
+  TrialPlayer source(recorded.file);
+  NoPace pace;
+  double highest = 0.0;
+  const std::int64_t ticks = recorded.ticks();
+  run(session, source, pace, {}, [&](const Session& s) {
+    const Vec3& p = s.world.states[ball].X_WB.p;
+    const bool thrown = p.y() > -0.2 && p.y() < 10.0 && s.world.states[ball].v_WB.y() > 4.0;
+    if (thrown) highest = std::max(highest, p.z() - scenario.ball.radius);
+    return s.tick >= ticks;
+  });
+  return highest;
+}
+
+// Made in November 2026, under rules 9: a ball that rolls on the floor beside a lane hops where the floor's two
+// parts join, at the foul line.
+TEST(ATrialOfRules9, ComesToTheHashesOfItsTimeAndItsBallStaysOnTheFloorUnderRules10) {
+  const std::string path = HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-9.lcmlog";
+  EXPECT_EQ(replayed(path), (Hashes{"de34c84b8bf979a3", "c95af842ffa6561b"}));
+  EXPECT_GT(highest_ball(path, 9), 0.05);
+  EXPECT_LT(highest_ball(path, 10), 0.001);
+}
+
 // Made in November 2026, under rules 8: planks that stand 40 degrees aslant collided as if they stood across.
 TEST(ATrialOfRules8, ComesToTheHashesOfItsTimeAndToOthersUnderRules9) {
   const std::string path = HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-8.lcmlog";
