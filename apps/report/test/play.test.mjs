@@ -441,6 +441,34 @@ test('a page that is opened from a file says that it stores nothing, and can be 
   await context.close();
 });
 
+test('a page that is opened from a file keeps every game until it is saved', async () => {
+  const context = await contextOf();
+  const { page } = await openGame(context, urlOf('room.html'));
+  const results = [];
+  for (let game = 0; game < 2; ++game) {
+    await startGame(page);
+    await until(page, () => window.headpin.game.made > 300_000);
+    await page.click('#end');
+    await page.waitForSelector('#save-last');
+    results.push(await page.evaluate(() => ({ name: window.headpin.last.name, ticks: window.headpin.last.ticks })));
+  }
+  assert.match(await page.textContent('#in-memory'), /Earlier games that are in memory alone/);
+  assert.deepEqual(await axeFinds(page), []);
+  await saveBy(page, '#save-last', 'second.lcmlog');
+  assert.equal(await page.evaluate(() => window.headpin.isUnsaved()), true);
+  assert.equal(await page.locator('#in-memory-body button').count(), 1);
+  assert.equal(await saveBy(page, '#in-memory-body button', 'first.lcmlog'), results[0].name);
+  assert.match(await page.textContent('#in-memory-body'), /Saved\.$/);
+  assert.equal(await page.evaluate(() => window.headpin.isUnsaved()), false);
+  assert.equal(verified('first.lcmlog').verified_ticks, results[0].ticks);
+  assert.equal(verified('second.lcmlog').verified_ticks, results[1].ticks);
+  // What is saved is in memory no longer than until the next game.
+  await startGame(page);
+  assert.equal(await page.evaluate(() => window.headpin.inMemory.length), 0);
+  assert.equal(await page.isVisible('#in-memory'), false);
+  await context.close();
+});
+
 test('a pause is left out of the session', async () => {
   const { page, context } = await open();
   await startGame(page);

@@ -33,6 +33,8 @@ function endInWords({ skittles_down: down, sheets, over }) {
 const megabytes = (bytes) => `${(bytes / 1e6).toFixed(1)} MB`;
 
 class Page {
+  inMemory = [];  // games that the browser has not stored: {name, log, saved}
+
   async open() {
     const json = await jsonBlock('play');
     this.json = json;
@@ -48,7 +50,7 @@ class Page {
     find('end').addEventListener('click', () => this.guard(this.end()));
     this.offerSound();
     addEventListener('beforeunload', (event) => {
-      if (this.game || this.unsaved || this.isSending()) event.preventDefault();
+      if (this.game || this.isUnsaved() || this.isSending()) event.preventDefault();
     });
     this.showGuest();
     this.showRoom();
@@ -88,6 +90,10 @@ class Page {
     find('network').textContent = 'This page sends the game to the computer that it came from.';
     find('who').hidden = guest.participant !== '';
     if (guest.hint) find('hint').textContent = `${guest.hint} Press Play here.`;
+  }
+
+  isUnsaved() {
+    return this.inMemory.some(({ saved }) => !saved);
   }
 
   isSending() {
@@ -145,6 +151,7 @@ class Page {
     this.game = new Game(this.engine, this.json,
       { device, leftHand, participant, condition: guest?.condition,
         keep: (piece) => this.keep(piece), hear: (samples) => this.sound.play(samples) });
+    this.forgetLast();
     if (this.trouble) this.game.note('not_stored', this.trouble);
     this.game.onNews((news) => this.tellNews(news));
     this.pieces = setInterval(() => { this.game.keepLog(); this.tellKept(); }, kPiece);
@@ -240,8 +247,8 @@ class Page {
   async keepLast(result) {
     const { store } = this;
     const log = await store.finish();
-    this.last = { ...result, name: store.name, log };
-    this.unsaved = store.failed === true;
+    this.last = { ...result, name: store.name, log, saved: false };
+    if (store.failed) this.inMemory.push(this.last);
     this.showControls(false);
     this.tellEnd();
     await this.listFiles();
@@ -256,13 +263,37 @@ class Page {
     if (questions && !this.sender.failed) await ask(questions, (answers) => this.sender.answer(answers));
   }
 
+  /** Another game has begun: its news take the place of the last one, which waits in a list until it is saved. */
+  forgetLast() {
+    this.last = null;
+    this.inMemory = this.inMemory.filter(({ saved }) => !saved);
+    this.listInMemory();
+  }
+
+  /** The games before the last one that are in memory alone, each with its button. */
+  listInMemory() {
+    const rows = this.inMemory.filter((game) => game !== this.last)
+      .map((game) => make('li', {}, `${game.name}, ${megabytes(game.log.size)} `, ...this.saveButton(game, {},
+        'Save ', make('span', { class: 'hidden' }, game.name))));
+    find('in-memory').hidden = rows.length === 0;
+    find('in-memory-body').replaceChildren(...rows);
+  }
+
+  /** A button that saves a game, and the place where it says so. */
+  saveButton(game, attributes, ...words) {
+    const said = make('span');
+    const button = make('button', { type: 'button', ...attributes, onclick: () => {
+      save(game.name, game.log);
+      game.saved = true;
+      said.textContent = ' Saved.';
+    } }, ...words);
+    return [button, said];
+  }
+
   tellEnd() {
     const { name, log } = this.last;
-    const button = make('button', { type: 'button', id: 'save-last', onclick: () => {
-      save(name, log);
-      this.unsaved = false;
-    } }, `Save the game (${megabytes(log.size)})`);
-    find('kept').replaceChildren(`${this.trouble} `.trimStart(), button, ` Then: headpin replay ${name} --verify`);
+    const button = this.saveButton(this.last, { id: 'save-last' }, `Save the game (${megabytes(log.size)})`);
+    find('kept').replaceChildren(`${this.trouble} `.trimStart(), ...button, ` Then: headpin replay ${name} --verify`);
   }
 
   tellNews({ score, board, rings, events }) {
