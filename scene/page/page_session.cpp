@@ -1,5 +1,6 @@
 #include "scene/page/page_session.h"
 
+#include <algorithm>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -41,6 +42,26 @@ nlohmann::json to_news(const Event& event) {
   return {{"kind", event.kind},     {"time_us", event.time.count()}, {"tick", event.tick},
           {"bodies", event.bodies}, {"p", numbers(event.p_W)},       {"j", numbers(event.j_W)},
           {"value", event.value},   {"detail", event.detail.text()}};
+}
+
+/// The score sheets in words; whether the game is over, which with two versions it is once both have
+/// been played; the versions that no game has begun of.
+nlohmann::json news_of(const Score& score, const Versions& versions) {
+  nlohmann::json sheets = nlohmann::json::array(), unplayed = nlohmann::json::array();
+  for (const Sheet& sheet : score.games) sheets.push_back(in_words(sheet));
+  for (const char* const version : {"red", "blue"}) {
+    if (versions.buttons &&
+        std::ranges::find(score.games, version, &Sheet::version) == score.games.end()) {
+      unplayed.push_back(version);
+    }
+  }
+  const bool last_over = !score.games.empty() && score.games.back().over;
+  const bool over = last_over && unplayed.empty();
+  return {{"skittles_down", score.skittles_down},
+          {"sheets", std::move(sheets)},
+          {"last_over", last_over},
+          {"over", over},
+          {"unplayed", std::move(unplayed)}};
 }
 
 }  // namespace
@@ -129,16 +150,8 @@ nlohmann::json PageSession::take_news() {
   told_board_ = g.board;
   nlohmann::json events = nlohmann::json::array();
   for (const Event& event : std::exchange(news_, {})) events.push_back(to_news(event));
-  const Score& score = totals_.score();
-  nlohmann::json sheets = nlohmann::json::array();
-  bool over = false;
-  for (const Sheet& sheet : score.games) {
-    sheets.push_back(in_words(sheet));
-    over = sheet.over;
-  }
   return {{"events", std::move(events)},
-          {"score",
-           {{"skittles_down", score.skittles_down}, {"sheets", std::move(sheets)}, {"over", over}}},
+          {"score", news_of(totals_.score(), session_.scenario().version)},
           {"board", g.board},
           {"rings", {{"ball", g.ringed}, {"each", of_rings(g, session_.scenario().ball.radius)}}}};
 }

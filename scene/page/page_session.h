@@ -67,7 +67,7 @@ class PageSession {
   /// X_WP, X_WH, X_WD, each skittle, each ball.
   void see(std::vector<float>& out) const;
 
-  /// Events since the last call, the score, the text of the score board, and the rings of oil on a
+  /// Events since the last call, the score (and which versions have no game yet), the text of the score board, and the rings of oil on a
   /// ball (its number among the balls, and of_rings()); null if nothing of it is new.
   nlohmann::json take_news();
 

@@ -14,6 +14,7 @@
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/recorded.h"
 #include "scene/watch/verifier.h"
+#include "tests/scene/with_rules.h"
 
 namespace headpin::scene {
 namespace {
@@ -178,6 +179,25 @@ TEST(PageSession, TellsTheRingsOfOilOfTheLastThrow) {
     EXPECT_NEAR(std::hypot(centre.norm(), ring[7].get<double>()), scenario.ball.radius, 1e-9);
   }
   EXPECT_TRUE(session.take_news().is_null()) << "nothing is told twice";
+}
+
+TEST(PageSession, IsOverOnceBothVersionsHaveBeenPlayed) {
+  Scenario scenario = with_rules(GameKind::plain, 1, 1);
+  scenario.version.buttons = true;
+  // The hand waits at the red button, and throws from there.
+  const Scenario played = played_with(scenario, browser_device("mouse"), false);
+  scenario.version.red.button =
+      played.ball.home - rotation(Vec3(0.5 * M_PI, 0.0, 0.0)) * played.hand.grip;
+  PageSession session(to_toml(scenario), options_of("mouse"));
+  throw_ball(session, played);
+  session.advance(microseconds(kEnds + scenario.game.ball_back_s));
+  const nlohmann::json red = session.take_news()["score"];
+  ASSERT_EQ(red["sheets"].size(), 1u);
+  EXPECT_THAT(red["sheets"][0].get<std::string>(),
+              testing::AllOf(testing::StartsWith("red "), testing::Not(HasSubstr("not over"))));
+  EXPECT_EQ(red["last_over"], true);
+  EXPECT_EQ(red["over"], false);
+  EXPECT_EQ(red["unplayed"], nlohmann::json({"blue"}));
 }
 
 TEST(PageSession, RefusesWhatIsNoSample) {

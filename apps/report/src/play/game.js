@@ -36,7 +36,7 @@ export class Game {
     this.frames = 0;
     this.lateFrames = 0;
     this.listeners = [];
-    this.score = { skittles_down: 0, sheets: [], over: false };
+    this.score = { skittles_down: 0, sheets: [], last_over: false, over: false, unplayed: json.buttons.map(({ colour }) => colour) };
     this.view = checked(engine.advance(0)).view.slice();
   }
 

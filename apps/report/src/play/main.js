@@ -25,10 +25,15 @@ function scoreInWords({ skittles_down: down, sheets }) {
 }
 
 /** What the whole game came to, of each version. */
-function endInWords({ skittles_down: down, sheets, over }) {
-  const begun = over || sheets.length === 0 ? 'The game is over.' : 'The game was ended before its last frame.';
+function endInWords({ skittles_down: down, sheets, last_over: over, unplayed }) {
+  const left = sheets.length > 0 && unplayed.length > 0 ? ` The ${unplayed.join(' and the ')} version was not played.` : '';
+  const begun = (over || sheets.length === 0 ? 'The game is over.' : 'The game was ended before its last frame.') + left;
   return `${begun} ${sheets.length > 0 ? sheets.join('; ') : `Skittles down: ${down}`}.`;
 }
+
+/** What begins a version that has not been played yet. */
+const touchNext = (colour) =>
+  `This version is over. Press on the ${colour} ball: the next version begins. Or press the key ${colour[0].toUpperCase()}.`;
 
 const megabytes = (bytes) => `${(bytes / 1e6).toFixed(1)} MB`;
 
@@ -323,6 +328,7 @@ class Page {
       return hand.swing?.byKeys ? 'Let the space bar go: the hand swings, and throws.'
         : 'Swing: move quickly up, and let go while you move.';
     }
+    if (score.last_over && !score.over) return touchNext(score.unplayed[0]);
     if (score.over) return 'The game is over. End it, and save it.';
     if (json.buttons.length > 0 && score.sheets.length === 0) return this.json.guest?.hint || 'Press on the red or the blue ball: a game begins. Or press the key R or B.';
     const foul = this.foul ? 'You let go beyond the foul line. Let go earlier. ' : '';
