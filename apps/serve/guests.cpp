@@ -74,7 +74,7 @@ Guest& Guests::still_open(std::string_view token) {
 std::int64_t Guests::begin(std::string_view token, const std::string& key) {
   if (!is_token(key)) throw Refused(400, "key: expected 32 hexadecimal digits");
   Guest& guest = find(token);
-  if (guest.state == Guest::State::playing && guest.key == key) return guest.log->size();
+  if (guest.state != Guest::State::invited && guest.key == key) return guest.log->size();
   still_open(token);
   try {
     guest.log = guest.place.open();

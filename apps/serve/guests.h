@@ -73,8 +73,8 @@ class Guests {
   /// @throws Refused  403 for a link that was used
   Guest& still_open(std::string_view token);
 
-  /// The link is used from now on. The same key may begin again, as its page may not have got the
-  /// answer.
+  /// The link is used from now on. The same key may begin again, also after the end, as its page may
+  /// not have got the answer to the one or the other.
   ///
   /// @return  bytes of the log that are here
   /// @throws Refused  403 for a used link, 400 for what is no key

@@ -163,6 +163,18 @@ TEST_F(Serve, TheLogThatCameInPiecesIsTheLog) {
   EXPECT_EQ(json("info --json games/guest-01.lcmlog")["complete"], true);
 }
 
+// The answer to the end is lost: the page asks what has arrived, and ends once more.
+TEST_F(Serve, TheKeyOfAnEndedGameIsToldItsSize) {
+  start("paper-room -o games");
+  post(links_[0], "begin");
+  EXPECT_EQ(post(links_[0], "log?at=0", "all of it").status, 200);
+  EXPECT_EQ(post(links_[0], "end?at=9").status, 200);
+  EXPECT_EQ(post(links_[0], "begin").body, R"({"size":9})");
+  EXPECT_EQ(post(links_[0], "end?at=9").status, 200);
+  EXPECT_EQ(post(links_[0], "begin", "", kOtherKey).status, 403);
+  EXPECT_EQ(guest(0)["state"], "ended");
+}
+
 TEST_F(Serve, ALinkWorksOnce) {
   start("paper-room -o games");
   EXPECT_EQ(post(links_[0], "begin", "", "short").status, 400);

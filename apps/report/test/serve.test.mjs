@@ -136,6 +136,31 @@ test('a participant of a study plays, and answers', async () => {
   await server.stop();
 });
 
+/** The first request for something arrives, and its answer is lost. */
+async function loseAnswer(page, doing) {
+  let lost = false;
+  await page.route(`**/${doing}?*`, async (route) => {
+    if (lost) return route.continue();
+    lost = true;
+    await route.fetch();
+    return route.abort('connectionreset');
+  });
+}
+
+test('the questions are asked, though the answer to the end was lost', async () => {
+  headpin('experiment', 'plan', '-o', 'lost');
+  const server = await serving('lost');
+  const context = await contextOf();
+  const { page } = await openGame(context, server.links[0]);
+  await loseAnswer(page, 'end');
+  await startGame(page);
+  await page.click('#end');
+  await page.waitForSelector('#questions-form');
+  assert.match(await page.textContent('#sent'), /^All is sent/);
+  await context.close();
+  await server.stop();
+});
+
 test('by HTTPS to other machines: the page has what a headset needs', async () => {
   const server = await serving('paper-room', '-o', 'https', '--bind', '0.0.0.0');
   assert.match(server.links[0], /^https:/);
