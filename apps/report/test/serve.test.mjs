@@ -161,6 +161,24 @@ test('the questions are asked, though the answer to the end was lost', async () 
   await server.stop();
 });
 
+test('a link can be used, though the answer to the beginning was lost; a try leaves no log in the browser', async () => {
+  const server = await serving('paper-room', '-o', 'tried');
+  const context = await contextOf();
+  const { page } = await openGame(context, server.links[0]);
+  await loseAnswer(page, 'begin');
+  await page.click('#start');
+  await page.waitForSelector('#trouble:not([hidden])');
+  assert.match(await page.textContent('#trouble'), /the connection is interrupted\. Press Play again\.$/);
+  await startGame(page);
+  await sentMore(page);
+  await endAndSave(page, 'tried.lcmlog');
+  await until(page, () => /^All is sent/.test(document.getElementById('sent').textContent));
+  assert.equal(await page.locator('#files li').count(), 1);
+  assert.ok(readFileSync(join(folder, 'tried/guest-01.lcmlog')).equals(readFileSync(join(folder, 'tried.lcmlog'))));
+  await context.close();
+  await server.stop();
+});
+
 test('by HTTPS to other machines: the page has what a headset needs', async () => {
   const server = await serving('paper-room', '-o', 'https', '--bind', '0.0.0.0');
   assert.match(server.links[0], /^https:/);

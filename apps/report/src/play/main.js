@@ -5,7 +5,7 @@ import { Game } from './game.js';
 import { HandByPointer } from './hand.js';
 import { ask } from './questions.js';
 import { inView, poseOf, Room } from './scene.js';
-import { Sender } from './sender.js';
+import { newKey, Sender } from './sender.js';
 import { Sound } from './sound.js';
 import { keptLogs, removeLog, save, Store } from './store.js';
 import { XrPlay, xrOffered } from './xr.js';
@@ -38,6 +38,7 @@ const touchNext = (colour) =>
 const megabytes = (bytes) => `${(bytes / 1e6).toFixed(1)} MB`;
 
 class Page {
+  key = newKey();  // of this page, for the server
   inMemory = [];  // games that the browser has not stored: {name, log, saved}
 
   async open() {
@@ -147,15 +148,16 @@ class Page {
     this.foul = false;
     this.store = new Store(participant, (why) => this.notStored(why));
     await this.store.start();
-    if (this.store.failed && this.json.not_stored === 'ends') throw new Error(this.trouble);
-    if (guest) {
-      const sender = new Sender(() => this.tellSent());
-      await sender.begin();
-      this.sender = sender;
+    try {
+      if (this.store.failed && this.json.not_stored === 'ends') throw new Error(this.trouble);
+      if (guest) await this.beginSending();
+      this.game = new Game(this.engine, this.json,
+        { device, leftHand, participant, condition: guest?.condition,
+          keep: (piece) => this.keep(piece), hear: (samples) => this.sound.play(samples) });
+    } catch (error) {
+      await this.store.discard();
+      throw error;
     }
-    this.game = new Game(this.engine, this.json,
-      { device, leftHand, participant, condition: guest?.condition,
-        keep: (piece) => this.keep(piece), hear: (samples) => this.sound.play(samples) });
     this.forgetLast();
     if (this.trouble) this.game.note('not_stored', this.trouble);
     this.game.onNews((news) => this.tellNews(news));
@@ -165,6 +167,12 @@ class Page {
     this.room.putRings({ ball: 0, each: [] });
     find('score').textContent = '';
     return this.game;
+  }
+
+  async beginSending() {
+    const sender = new Sender(this.key, () => this.tellSent());
+    await sender.begin();
+    this.sender = sender;
   }
 
   /** The game is in memory alone from now on, or ends. */

@@ -5,7 +5,8 @@ const kSilence = 15_000;                   // ms, after which a request has fail
 
 const sleep = (ms) => new Promise((resolve) => { setTimeout(resolve, ms); });
 
-function newKey() {
+/** By which the server knows this page again. */
+export function newKey() {
   const bytes = crypto.getRandomValues(new Uint8Array(16));
   return Array.from(bytes, (byte) => byte.toString(16).padStart(2, '0')).join('');
 }
@@ -20,10 +21,13 @@ class No extends Error {
 }
 
 export class Sender {
-  /** @param onState  told whenever `sent`, `trouble` or `over` changes */
-  constructor(onState) {
+  /**
+   * @param key      of the page: a try whose answer was lost begins again with the same one
+   * @param onState  told whenever `sent`, `trouble` or `over` changes
+   */
+  constructor(key, onState) {
+    this.key = key;
     this.onState = onState;
-    this.key = newKey();
     this.pieces = [];
     this.made = 0;       // bytes
     this.sent = 0;       // of them, that are there
@@ -41,9 +45,12 @@ export class Sender {
     throw new No(why, final);
   }
 
-  /** The link is used from now on. @throws  in words, when it was used before */
+  /** The link is used from now on. @throws  in words, when it was used before or nobody answers */
   async begin() {
-    await this.post('begin');
+    await this.post('begin').catch((error) => {
+      if (error instanceof No) throw error;
+      throw new Error('the connection is interrupted. Press Play again.');
+    });
     this.working = this.work();
   }
 

@@ -106,6 +106,12 @@ export class Store {
       .catch((error) => this.fail(error));
   }
 
+  /** Nothing was played: leaves no log behind. */
+  async discard() {
+    await this.finish();
+    await removeLog(this.name).catch(() => {});  // where nothing can be stored there is none
+  }
+
   /** The whole log, once the disk has all of it or has failed. */
   async finish() {
     if (!this.failed) await this.ask({ kind: 'close' }).catch((error) => this.fail(error));
