@@ -22,28 +22,48 @@ struct Character {
   char name;
   std::array<int, kDotsUp> rows;
 };
-constexpr std::array<Character, 21> kCharacters{{
+constexpr std::array<Character, 22> kCharacters{{
     {'0', {7, 5, 5, 5, 7}}, {'1', {2, 6, 2, 2, 7}}, {'2', {7, 1, 7, 4, 7}}, {'3', {7, 1, 7, 1, 7}},
     {'4', {5, 5, 7, 1, 1}}, {'5', {7, 4, 7, 1, 7}}, {'6', {7, 4, 7, 5, 7}}, {'7', {7, 1, 1, 2, 2}},
     {'8', {7, 5, 7, 5, 7}}, {'9', {7, 5, 7, 1, 7}}, {'X', {5, 5, 2, 5, 5}}, {'/', {1, 1, 2, 4, 4}},
     {'-', {0, 0, 7, 0, 0}}, {'_', {0, 0, 0, 0, 7}}, {'F', {7, 4, 6, 4, 4}}, {'O', {7, 5, 5, 5, 7}},
     {'U', {5, 5, 5, 5, 7}}, {'L', {4, 4, 4, 4, 7}}, {'V', {5, 5, 5, 5, 2}}, {'E', {7, 4, 6, 4, 7}},
-    {'R', {6, 5, 6, 5, 5}},
+    {'R', {6, 5, 6, 5, 5}}, {'+', {0, 2, 7, 2, 0}},
 }};
 
-/// The balls of all frames as the sheet writes them, with F for fouls.
+bool ends_in_digit(const std::string& word) {
+  return !word.empty() && word.back() >= '0' && word.back() <= '9';
+}
+
+/// Puts a plus before each word that would go on with the number of the word before it.
+void keep_apart(std::vector<std::string>& words) {
+  for (std::size_t i = words.size(); i-- > 1;) {
+    const char first = words[i].front();
+    if (ends_in_digit(words[i - 1]) && first >= '0' && first <= '9') words[i].insert(0, "+");
+  }
+}
+
+/// What a ball may count so that its numbers need no sign between them: a 10 is no 1 and 0, as 0 is
+/// a dash.
+constexpr int kMostAlone = 10;
+
+/// The balls of all frames as the sheet writes them, with F for fouls. Where a ball can count more
+/// than kMostAlone, a plus is between two numbers.
 std::vector<std::vector<std::string>> balls_in_words(const GameRules& plan, const Game& game,
                                                      int rack) {
   std::vector<std::vector<std::string>> frames;
+  const Rules& rules = rules_of(plan.rules);
+  const int most = rules.bonuses ? rack - 1 : rack;  // all of them are a strike
   std::size_t ball_of_game = 0;
   for (const Frame& frame : game.frames) {
     std::vector<std::string>& words = frames.emplace_back();
     for (std::size_t ball = 0; ball < frame.size(); ++ball) {
-      std::string word = ball_in_words(rules_of(plan.rules), frame, ball, rack);
+      std::string word = ball_in_words(rules, frame, ball, rack);
       const bool foul = game.fouls[ball_of_game++] != 0;
       if (foul && plan.foul == FoulBall::zero) word.clear();
       words.push_back(fmt::format("{}{}", foul ? "F" : "", word));
     }
+    if (most > kMostAlone) keep_apart(words);
   }
   if (!game.over) frames.back().push_back("_");
   return frames;
@@ -60,10 +80,11 @@ std::string last_balls(const std::vector<std::vector<std::string>>& frames) {
   if (!row.empty()) return row;
   const std::vector<std::string>& last = frames.back();
   for (auto ball = last.rbegin(); ball != last.rend(); ++ball) {
-    if (ball->size() + row.size() > kBoardColumns) break;
+    const std::size_t plus = ball->starts_with('+') ? 1 : 0;
+    if (ball->size() - plus + row.size() > kBoardColumns) break;
     row.insert(0, *ball);
   }
-  return row;
+  return row.starts_with('+') ? row.substr(1) : row;
 }
 
 /// Two words, one at each end of a row; the second alone where there is no place for both.

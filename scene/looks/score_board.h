@@ -16,7 +16,8 @@ inline constexpr std::size_t kBoardRows = 2, kBoardColumns = 10;
 /// The text of the board: rows of at most kBoardColumns characters; none where nothing is counted.
 ///
 /// The first row has the last frames as the score sheet writes them, and `_` for the next ball. An F
-/// is before a ball that was a foul, or alone where a foul counts 0. The second row has the number of
+/// is before a ball that was a foul, or alone where a foul counts 0. Where a ball can count more than
+/// ten, a + is between two numbers of a frame. The second row has the number of
 /// the frame, or FOUL, or OVER, and the points so far.
 std::vector<std::string> board_text(const GameRules& plan, const Game& game, int rack);
 

@@ -77,9 +77,21 @@ TEST(BoardText, OfALongFrameHasItsLastBalls) {
   const auto text = [](Frame frame) {
     return board_text(plan_of(GameKind::plain), game_of({std::move(frame)}), 100).front();
   };
-  EXPECT_EQ(text({1, 2, 3, 4, 5, 6, 7, 8, 9}), "123456789_");
-  EXPECT_EQ(text({1, 2, 3, 4, 5, 6, 7, 8, 9, 0}), "23456789-_");
-  EXPECT_EQ(text({11, 22, 33, 44, 55}), "22334455_");  // no half of a number
+  EXPECT_EQ(text({1, 2, 3, 4, 5, 6, 7, 8, 9}), "5+6+7+8+9_");
+  EXPECT_EQ(text({1, 2, 3, 4, 5, 6, 7, 8, 9, 0}), "6+7+8+9-_");
+  EXPECT_EQ(text({11, 22, 33, 44, 55}), "33+44+55_");  // no half of a number
+}
+
+TEST(BoardText, HasASignBetweenNumbersThatCouldBeOne) {
+  const auto text = [](std::vector<Frame> frames, GameKind kind, int rack) {
+    return board_text(plan_of(kind), game_of(std::move(frames)), rack).front();
+  };
+  EXPECT_EQ(text({{35, 14}, {49}}, GameKind::plain, 49), "35+14 49_");
+  EXPECT_EQ(text({{3, 5, 14}}, GameKind::plain, 49), "3+5+14_");
+  EXPECT_EQ(text({{1, 1}, {11}}, GameKind::plain, 11), "1+1 11_");
+  EXPECT_EQ(text({{35, 0}, {0, 14}}, GameKind::plain, 49), "35- -14_");
+  EXPECT_EQ(text({{3, 5}, {10}}, GameKind::plain, kTenPins), "35 10_");  // no 35 of ten skittles
+  EXPECT_EQ(text({{5, 3}, {12}, {2}}, GameKind::ten_pin, 12), "5+3 X 2_");
 }
 
 TEST(BoardText, OfOtherGamesHasNoMarks) {
@@ -117,7 +129,7 @@ TEST(BoardText, ThatIsTooLongForARowIsThePoints) {
 
 TEST(BoardText, HasAMeshForEachCharacter) {
   const std::string known = board_characters();
-  for (const char character : std::string("0123456789X/-_FOULOVER")) {
+  for (const char character : std::string("0123456789X/-_FOULOVER+")) {
     EXPECT_NE(known.find(character), std::string::npos) << character;
     EXPECT_FALSE(character_mesh(character, Vec2(0.1, 0.1)).indices.empty()) << character;
   }
