@@ -4,11 +4,29 @@
 #include <array>
 #include <cstdint>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 namespace headpin::scene {
 
 namespace {
+
+/// The mirror image in the plane x = 0.
+Vec3 in_mirror(const Vec3& p) {
+  return {-p.x(), p.y(), p.z()};
+}
+
+/// The same of a mesh; its triangles are seen from outside again.
+render::Mesh in_mirror(render::Mesh mesh) {
+  for (render::Vertex& v : mesh.vertices) {
+    v.p.x() = -v.p.x();
+    v.n.x() = -v.n.x();
+  }
+  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    std::swap(mesh.indices[i + 1], mesh.indices[i + 2]);
+  }
+  return mesh;
+}
 
 /// A piece of a finger or of the palm: a ball swept along a line, growing or shrinking.
 struct Bone {
@@ -288,7 +306,8 @@ void append_sleeve(render::Mesh& mesh, const Joints& hand, const Vec3& across) {
 
 }  // namespace
 
-render::Mesh hand_mesh(const Vec3& p_HB, double radius, double closed) {
+render::Mesh hand_mesh(const Vec3& p_HB, double radius, double closed, bool left_hand) {
+  if (left_hand) return in_mirror(hand_mesh(in_mirror(p_HB), radius, closed));
   const AroundBall ball(p_HB, radius);
   const Joints hand = between(open_joints(), gripping_joints(ball), p_HB, closed);
   const std::vector<Bone> bones = bones_of(hand);
@@ -305,7 +324,12 @@ render::Mesh hand_mesh(const Vec3& p_HB, double radius, double closed) {
   return mesh;
 }
 
-std::array<Vec3, 3> ball_holes(const Vec3& p_HB, double radius) {
+std::array<Vec3, 3> ball_holes(const Vec3& p_HB, double radius, bool left_hand) {
+  if (left_hand) {
+    std::array<Vec3, 3> towards = ball_holes(in_mirror(p_HB), radius);
+    for (Vec3& one : towards) one = in_mirror(one);
+    return towards;
+  }
   // The orientation when the arm model takes the ball from its stand: 28 degrees forward, 40 aside.
   constexpr double kDegree = std::numbers::pi / 180.0;
   const Quat q_WH = rotation(Vec3(0.0, 0.0, -40.0 * kDegree)) *

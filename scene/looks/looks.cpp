@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "devices/base/sample.h"
 #include "scene/looks/hand_mesh.h"
 #include "scene/looks/room_mesh.h"
 #include "scene/looks/skittle_mesh.h"
@@ -131,6 +132,10 @@ render::Mesh moved(const render::Mesh& mesh, const Pose& X_GP) {
   return all;
 }
 
+bool throws_left(const Scenario& scenario) {
+  return scenario.rig.hand_station == devices::kLeftHandStation;
+}
+
 void append_occluders(DrawList& list, const std::vector<Occluder>& of_body, const Pose& X_WB) {
   for (const Occluder& ball : of_body) list.occluders.push_back({X_WB * ball.p_W, ball.radius});
 }
@@ -144,7 +149,7 @@ Looks::Looks(const MeshKeeper& keeper, const Stage& stage)
   if (const auto own = seen_mesh(scenario.ball.mesh, render::srgb(0x123a8c), 0.9)) {
     ball = {keeper.add(*own)};
   } else {
-    const auto holes = ball_holes(scenario.hand.grip, ball_radius);
+    const auto holes = ball_holes(scenario.hand.grip, ball_radius, throws_left(scenario));
     ball = {keeper.add(ball_mesh(ball_radius, holes)),
             keeper.add(ball_mesh(ball_radius, holes, 20, 12)),
             keeper.add(ball_mesh(ball_radius, {}, 14, 8))};
@@ -201,7 +206,7 @@ void Looks::add_hands(const MeshKeeper& keeper, const Scenario& scenario) {
   }
   for (int i = 0; i < kHands; ++i) {
     const double closed = static_cast<double>(i) / (kHands - 1);
-    hands.push_back(keeper.add(hand_mesh(hand.grip, ball_radius, closed)));
+    hands.push_back(keeper.add(hand_mesh(hand.grip, ball_radius, closed, throws_left(scenario))));
   }
 }
 

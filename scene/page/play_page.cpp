@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "devices/base/sample.h"
 #include "scene/page/browser_device.h"
 #include "scene/stage/stage.h"
 
@@ -26,6 +27,12 @@ json of_actors(const Looks& looks, const Stage& stage) {
   add("hand", "hand", looks.hands);
   add("head", "head", {looks.head});
   return out;
+}
+
+/// The scenario as a right hand plays it: the page mirrors hand and ball for a left one.
+Scenario right_handed(Scenario scenario) {
+  scenario.rig.hand_station = devices::kHandStation;
+  return scenario;
 }
 
 json of_buttons(const Versions& versions) {
@@ -62,7 +69,7 @@ std::set<int> meshes_in(const json& out) {
 
 PageData play_page(const Scenario& scenario) {
   const Stage stage = make_stage(scenario);
-  const PageLooks page_looks(scenario);
+  const PageLooks page_looks(right_handed(scenario));
   const Looks& looks = page_looks.looks;
   const Scenario right = played_with(scenario, browser_devices().front(), false);
   const Scenario left = played_with(scenario, browser_devices().front(), true);
@@ -76,7 +83,10 @@ PageData play_page(const Scenario& scenario) {
   out["sound"] = scenario.sound.on;
   out["X_WT"] = numbers(right.rig.X_WT);
   out["hand"] = {{"grip", numbers(right.hand.grip)}, {"reach", right.hand.reach}};
-  out["left_handed"] = {{"X_WT", numbers(left.rig.X_WT)}, {"grip", numbers(left.hand.grip)}};
+  out["left_handed"] = {{"X_WT", numbers(left.rig.X_WT)},
+                        {"grip", numbers(left.hand.grip)},
+                        {"mirrors_hand", scenario.hand.mesh.file.empty()},
+                        {"mirrors_ball", scenario.ball.mesh.file.empty()}};
   out["ball"] = of_ball(scenario, stage);
   out["buttons"] = of_buttons(scenario.version);
   out["room"] = of_room(scenario);

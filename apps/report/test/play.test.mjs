@@ -159,6 +159,10 @@ test('a throw with the left hand', async () => {
   const { page, context } = await open();
   await page.check('#hands [value=left]');
   await startGame(page);
+  // Hand and ball are drawn as mirror images.
+  const sides = () => page.evaluate(() => [window.headpin.room.hand, ...window.headpin.room.balls]
+    .flatMap(({ objects }) => objects.map(({ matrixWorld }) => Math.sign(matrixWorld.determinant()))));
+  assert.ok((await sides()).every((side) => side === -1));
   await throwBy(page, 'mouse', undefined, [-kHome[0], kHome[1], kHome[2]]);
   await felled(page);
   await endAndSave(page, 'left_hand.lcmlog');

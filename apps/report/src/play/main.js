@@ -163,6 +163,7 @@ class Page {
     this.game.onNews((news) => this.tellNews(news));
     this.pieces = setInterval(() => { this.game.keepLog(); this.tellKept(); }, kPiece);
     this.showControls(true);
+    this.room.playWith(leftHand);
     this.room.board.put([]);
     this.room.putRings({ ball: 0, each: [] });
     find('score').textContent = '';

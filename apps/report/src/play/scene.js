@@ -67,6 +67,15 @@ export class Room {
     return { role, objects, meshes };
   }
 
+  /** A left hand is the mirror image of a right one, and so are the holes of its ball; meshes of files stay as they are. */
+  playWith(leftHand) {
+    const { mirrors_hand: hand, mirrors_ball: ball } = this.json.left_handed;
+    const side = (mirrored) => (leftHand && mirrored ? -1 : 1);
+    for (const object of this.hand.objects) object.scale.x = side(hand);
+    for (const { objects } of this.balls) for (const object of objects) object.scale.x = side(ball);
+    this.rings.group.scale.x = side(ball);  // they are on a ball, and are not mirrored
+  }
+
   show({ objects }, which, pose) {
     objects.forEach((object, i) => { object.visible = i === which; });
     place(objects[which], pose);
