@@ -132,8 +132,10 @@ render::Mesh moved(const render::Mesh& mesh, const Pose& X_GP) {
   return all;
 }
 
-bool throws_left(const Scenario& scenario) {
-  return scenario.rig.hand_station == devices::kLeftHandStation;
+/// Whether the hand that is drawn is a left one. Who played a trial of rules 1 to 9 with the left hand saw a
+/// right one, and so does who looks at it.
+bool shows_left_hand(const Scenario& scenario) {
+  return scenario.rig.hand_station == devices::kLeftHandStation && scenario.collision.rules >= 10;
 }
 
 void append_occluders(DrawList& list, const std::vector<Occluder>& of_body, const Pose& X_WB) {
@@ -149,7 +151,7 @@ Looks::Looks(const MeshKeeper& keeper, const Stage& stage)
   if (const auto own = seen_mesh(scenario.ball.mesh, render::srgb(0x123a8c), 0.9)) {
     ball = {keeper.add(*own)};
   } else {
-    const auto holes = ball_holes(scenario.hand.grip, ball_radius, throws_left(scenario));
+    const auto holes = ball_holes(scenario.hand.grip, ball_radius, shows_left_hand(scenario));
     ball = {keeper.add(ball_mesh(ball_radius, holes)),
             keeper.add(ball_mesh(ball_radius, holes, 20, 12)),
             keeper.add(ball_mesh(ball_radius, {}, 14, 8))};
@@ -206,7 +208,8 @@ void Looks::add_hands(const MeshKeeper& keeper, const Scenario& scenario) {
   }
   for (int i = 0; i < kHands; ++i) {
     const double closed = static_cast<double>(i) / (kHands - 1);
-    hands.push_back(keeper.add(hand_mesh(hand.grip, ball_radius, closed, throws_left(scenario))));
+    hands.push_back(
+        keeper.add(hand_mesh(hand.grip, ball_radius, closed, shows_left_hand(scenario))));
   }
 }
 

@@ -83,10 +83,11 @@ PageData play_page(const Scenario& scenario) {
   out["sound"] = scenario.sound.on;
   out["X_WT"] = numbers(right.rig.X_WT);
   out["hand"] = {{"grip", numbers(right.hand.grip)}, {"reach", right.hand.reach}};
+  const bool mirrors = scenario.collision.rules >= 10;  // as Looks does
   out["left_handed"] = {{"X_WT", numbers(left.rig.X_WT)},
                         {"grip", numbers(left.hand.grip)},
-                        {"mirrors_hand", scenario.hand.mesh.file.empty()},
-                        {"mirrors_ball", scenario.ball.mesh.file.empty()}};
+                        {"mirrors_hand", mirrors && scenario.hand.mesh.file.empty()},
+                        {"mirrors_ball", mirrors && scenario.ball.mesh.file.empty()}};
   out["ball"] = of_ball(scenario, stage);
   out["buttons"] = of_buttons(scenario.version);
   out["room"] = of_room(scenario);

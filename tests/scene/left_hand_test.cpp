@@ -65,6 +65,8 @@ TEST(LeftHand, IsDrawnWhereTheLeftHandIsTracked) {
   EXPECT_LT(right, -0.05) << "the thumb of a right hand whose back is up is on the left";
   scenario.rig.hand_station = devices::kLeftHandStation;
   EXPECT_EQ(farthest_aside(scenario), -right);
+  scenario.collision.rules = 9;
+  EXPECT_EQ(farthest_aside(scenario), right) << "who played an older trial saw a right one";
 }
 
 TEST(LeftHand, IsMadeByThePageFromARightOneExceptThatOfAFile) {
