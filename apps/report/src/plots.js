@@ -1,6 +1,7 @@
 // Numbers over time: each as a plot, and as a table.
 import uPlot from 'uplot';
 
+import { csvOf } from './csv.js';
 import { find, make, number, table } from './elements.js';
 
 const kMostRows = 400;    // of a table
@@ -114,9 +115,9 @@ function tableOf(chart) {
 
 /** The numbers of a plot as a file. */
 function saveCsv(chart) {
-  const lines = [['time_s', ...chart.curves.map(([name]) => name)].join(',')];
-  chart.times.forEach((time, row) => lines.push([time, ...chart.curves.map(([, values]) => values[row])].join(',')));
-  const link = make('a', { href: URL.createObjectURL(new Blob([lines.join('\r\n')], { type: 'text/csv' })),
+  const rows = Array.from(chart.times, (time, row) => [time, ...chart.curves.map(([, values]) => values[row])]);
+  const text = csvOf(['time_s', ...chart.curves.map(([name]) => name)], rows);
+  const link = make('a', { href: URL.createObjectURL(new Blob([text], { type: 'text/csv' })),
     download: `${chart.name.split(':')[0].toLowerCase().replaceAll(' ', '_')}.csv` });
   link.click();
   URL.revokeObjectURL(link.href);

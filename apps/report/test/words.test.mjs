@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
+import { csvOf } from '../src/csv.js';
 import { againInWords, conditionInWords, firstDifferenceInWords, framesOf, hashInWords, headInWords, lostEnergy, number, resultInBrief,
   versionInWords } from '../src/words.js';
 
@@ -110,4 +111,9 @@ test('what rounding leaves of no energy is none', () => {
 test('other bodies are said before what the rest differs in', () => {
   assert.match(firstDifferenceInWords(null, true), /^Of the bodies that both have: /);
   assert.match(firstDifferenceInWords({ tick: 5, time_s: 0.02, body: 'ball' }, false), /^First different tick: 5 /);
+});
+
+test('a table as CSV has as many fields in its head as in its rows, whatever its names are', () => {
+  assert.equal(csvOf(['time_s', 'ball, A', 'a "b"'], [[0, 1, null], [0.5, 2, 3]]),
+    'time_s,"ball, A","a ""b"""\r\n0,1,\r\n0.5,2,3');
 });
