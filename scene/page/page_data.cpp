@@ -126,17 +126,20 @@ json of_events(const std::vector<Event>& events) {
   return out;
 }
 
-/// Numbers of the visible meshes.
+/// Numbers of the meshes that the run shows, and of those that another run of the same stage may
+/// show: under another collision shape, or with a hand that closes.
 std::set<int> meshes_of(const Film& film, const Looks& looks) {
-  std::set<int> seen;
-  for (const Show& show : film.shows()) seen.insert(show.mesh);
-  for (const render::DrawItem& item : looks.room.items) seen.insert(item.mesh);
-  if (looks.oil_ring) seen.insert(*looks.oil_ring);
+  std::set<int> shown = {looks.true_skittle.mesh, looks.ellipsoid_skittle.mesh, looks.ball.mesh,
+                         looks.head};
+  shown.insert(looks.hands.begin(), looks.hands.end());
+  for (const Show& show : film.shows()) shown.insert(show.mesh);
+  for (const render::DrawItem& item : looks.room.items) shown.insert(item.mesh);
+  if (looks.oil_ring) shown.insert(*looks.oil_ring);
   if (looks.board) {
-    for (const auto& [character, mesh] : looks.board->meshes) seen.insert(mesh);
+    for (const auto& [character, mesh] : looks.board->meshes) shown.insert(mesh);
   }
-  seen.erase(-1);
-  return seen;
+  shown.erase(-1);
+  return shown;
 }
 
 void add_film(const Film& film, std::int64_t ticks, json& out) {

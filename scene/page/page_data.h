@@ -14,8 +14,9 @@ namespace headpin::scene {
 /// page, every n-th tick and the strongest contacts are stored; `json.drawn` says so.
 ///
 /// @param looks   of the trial, under any condition
-/// @param meshes  with what all of it looks like; without, `json.meshes` is empty and numbers of
-///                meshes are those of the same trial with them
+/// @param meshes  with what all of it looks like, also in other runs of the same scenario and under
+///                other conditions; without, `json.meshes` is empty and numbers of meshes are those
+///                of the same trial with them
 /// @throws std::invalid_argument  as apply()
 /// @throws std::runtime_error     when the file is another by now or the state turns non-finite
 PageData page_data(const Recorded& recorded, const PageLooks& looks,

@@ -135,6 +135,45 @@ TEST(PageData, UnderAnotherConditionIsWhatAReplayUnderItGives) {
   EXPECT_TRUE(data.json["meshes"].empty());
 }
 
+/// Numbers of the meshes that the actors of a page are shown with.
+std::set<int> shown_meshes(const nlohmann::json& json) {
+  std::set<int> shown;
+  for (const nlohmann::json& show : json["shows"]) shown.insert(show[2].get<int>());
+  shown.erase(-1);
+  return shown;
+}
+
+/// Numbers of the meshes that are in a page.
+std::set<int> packed_meshes(const nlohmann::json& json) {
+  std::set<int> packed;
+  for (const nlohmann::json& mesh : json["meshes"]) packed.insert(mesh["number"].get<int>());
+  return packed;
+}
+
+TEST(PageData, HasTheSkittlesOfTheOtherShapeForARunUnderIt) {
+  for (const SkittleShape recorded_shape : {SkittleShape::parts, SkittleShape::ellipsoid}) {
+    Recorded recorded = load_trial(kDemo);
+    recorded.scenario.collision.shape = recorded_shape;
+    const SkittleShape other_shape =
+        recorded_shape == SkittleShape::ellipsoid ? SkittleShape::parts : SkittleShape::ellipsoid;
+    const PageLooks looks(recorded.scenario);
+    const nlohmann::json own = page_data(recorded, looks).json;
+    const nlohmann::json again = page_data(recorded, looks, {.shape = other_shape}, false).json;
+    EXPECT_NE(shown_meshes(own), shown_meshes(again));
+    EXPECT_THAT(packed_meshes(own), testing::IsSupersetOf(shown_meshes(again)));
+  }
+}
+
+TEST(PageData, HasTheHandsOfAnotherTrialThatGrabsWhereThisOneDoesNot) {
+  Recorded idle = load_trial(kDemo);
+  const Recorded grabs = load_trial(kDemo);
+  idle.scenario.hand.reach = 1e-3;
+  const nlohmann::json without = page_data(idle, PageLooks(idle.scenario)).json;
+  const nlohmann::json with = page_data(grabs, PageLooks(grabs.scenario), {}, false).json;
+  EXPECT_LT(shown_meshes(without).size(), shown_meshes(with).size());
+  EXPECT_THAT(packed_meshes(without), testing::IsSupersetOf(shown_meshes(with)));
+}
+
 /// The bundled trial with the states of a replay, the ball in one of them a little elsewhere.
 std::string trial_with_states(std::int64_t moved_tick) {
   const std::string path = fresh_folder("page") / "states.lcmlog";
