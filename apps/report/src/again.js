@@ -136,6 +136,7 @@ export class Again {
         const set = { ...this.set }, of = this.trial;
         const { trial, milliseconds } = await this.engine.simulate(set);
         if (of !== this.trial) continue;  // another file was opened, and is simulated next
+        trial.looksLike = of;
         this.again = trial;
         this.say(againInWords(this.trial, set, trial, milliseconds));
       }
@@ -151,6 +152,12 @@ export class Again {
     if (which === 'recorded' && this.told === 'recorded') return;
     this.told = which;
     this.show(this.again, which);
+  }
+
+  /** Another trial is shown than this one or what was simulated again. */
+  leave() {
+    find('shown').querySelector('[value=recorded]').checked = true;
+    this.told = 'recorded';
   }
 
   /** @param where  the event that dropped it; none where it was chosen */

@@ -71,6 +71,7 @@ class Page {
     this.trial = await trialOf('');
     this.clock = new Clock(this.trial.lastTick, this.trial.rate);
     this.other = hasBlock('json-other') ? await trialOf('-other') : null;
+    if (this.other?.json.meshes.length === 0) this.other.looksLike = this.trial;
     this.view = openView(find('view'), this.trial, this.other);
     this.timeline = new Timeline(this.clock);
     this.clock.onChange(() => this.view.show(this.clock.tick));
@@ -146,6 +147,7 @@ class Page {
   showPair(which) {
     if (!this.other) return;
     find('pair').querySelector(`[value=${which}]`).checked = true;
+    this.again?.leave();
     const shown = which === 'b' ? this.other : this.trial;
     const beside = which === 'both' ? this.other : null;
     this.view.load(shown, beside);
@@ -170,7 +172,7 @@ class Page {
     const shownAgain = again && which !== 'recorded' ? again : null;
     if (which === 'both' && again) this.show(shown, shownAgain, again, ['trial', 'again']);
     else this.show(shown, shownAgain, shownAgain ? null : this.other);
-    find('pair').querySelector('[value=both]').checked = true;
+    for (const button of find('pair').querySelectorAll('input')) button.checked = !shownAgain && button.value === 'both';
     if (shownAgain) {
       find('result-body').append(...differencesTable(again.json.scenario_differences, 'the trial', 'again'),
         ...unpairedList('Throws of the trial that have no counterpart here:', again.json.throws_without_counterpart),

@@ -12,6 +12,7 @@ export class Trial {
     this.lastTick = json.ticks;
     this.ringed = { last: -1, ball: -1, each: [] };
     this.rate = json.rate_hz;
+    this.looksLike = null;  // the trial whose meshes it is drawn with; null: it has its own
   }
 
   seconds(tick) {

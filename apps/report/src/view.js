@@ -110,6 +110,7 @@ class View {
     this.wanted = false;
     this.tick = 0;
     this.orbit = new Orbit(canvas, trial.json.room, () => this.draw());
+    this.allLooks = new Map();  // of each trial that has meshes
     this.quad = new Mesh(new PlaneGeometry(2, 2), new ShaderMaterial({
       uniforms: { picture: { value: null } },
       vertexShader: 'varying vec2 at; void main() { at = uv; gl_Position = vec4(position.xy, 0.0, 1.0); }',
@@ -125,7 +126,7 @@ class View {
 
   /** Shows another trial, or the same one simulated again. */
   load(trial, other) {
-    const { scene, overlays, eyes, looks } = this;
+    const { scene, overlays, eyes } = this;
     for (const overlay of Object.values(overlays)) {
       scene.remove(overlay.group);
       releaseOverlay(overlay);
@@ -133,16 +134,34 @@ class View {
     this.setOther(null);
     this.stage(trial, other);
     releaseMaterials(scene);
-    if (looks !== this.looks) looks.release();
+    this.releaseLooks();
     for (const eye of eyes) eye.release();
     this.addOverlays();
+  }
+
+  /** What a trial looks like: one without meshes looks like another one, `looksLike`. */
+  looksOf(trial) {
+    const own = trial.looksLike ?? trial;
+    if (!this.allLooks.has(own)) this.allLooks.set(own, new Looks(own));
+    return this.allLooks.get(own);
+  }
+
+  /** Gives back the looks of trials that are not shown. */
+  releaseLooks() {
+    const shown = [this.looks, this.otherCast?.looks];
+    for (const [trial, looks] of this.allLooks) {
+      if (shown.includes(looks)) continue;
+      looks.release();
+      this.allLooks.delete(trial);
+    }
   }
 
   /** The room and those in it: all of a first picture. */
   stage(trial, other) {
     this.trial = trial;
     this.head = trial.actors('head')[0];
-    if (trial.json.meshes.length) this.looks = new Looks(trial);
+    this.looks = this.looksOf(trial);
+    this.orbit.room = trial.json.room;
     this.scene = makeRoom(trial, this.looks);
     this.orbit.camera.far = kFarthest + reachOf(this.scene, 140);
     this.scene.background = null;
@@ -169,13 +188,11 @@ class View {
     if (this.otherCast) {
       this.scene.remove(this.otherCast.group);
       releaseMaterials(this.otherCast.group);
-      if (this.otherCast.looks !== this.looks) this.otherCast.looks.release();
     }
     this.otherCast = null;
     this.other = other;
     if (other) {
-      const looks = other.json.meshes.length ? new Looks(other) : this.looks;
-      this.otherCast = new Cast(other, looks, { opacity: 0.55, tint: kOtherTint });
+      this.otherCast = new Cast(other, this.looksOf(other), { opacity: 0.55, tint: kOtherTint });
       this.scene.add(this.otherCast.group);
     }
     this.draw();

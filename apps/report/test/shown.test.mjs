@@ -12,6 +12,8 @@ let browser;
 
 before(async () => {
   headpin('replay', demo, '-o', 'game.lcmlog');
+  headpin('replay', demo, '--set', 'skittle.seen=collider', '--set', 'lane.head_pin=5', '-o', 'short.lcmlog');
+  headpin('report', 'game.lcmlog', 'short.lcmlog', '-o', 'rooms.html');
   browser = await launch();
 });
 after(() => browser.close());
@@ -66,6 +68,49 @@ test('the hand of the second trial is drawn while it holds the ball, also where 
     const { shown, missing } = await drawnOf(page, 'otherCast');
     assert.ok(shown.includes('hand'));
     assert.deepEqual(missing, [], `at tick ${tick}`);
+  }
+  await page.context().close();
+});
+
+/** Which buttons are chosen of what is shown: of the trial and what was simulated again, and of two trials. */
+function chosen(page) {
+  return page.evaluate(() => ['shown', 'pair'].map((name) => document.querySelector(`#${name} :checked`)?.value ?? ''));
+}
+
+test('simulated again, the first trial is in its own room, whichever trial was shown before', async () => {
+  const { page, said } = await open(browser, 'rooms.html');
+  await page.click('#pair [value=b]');
+  await simulatedWith(page, 'friction', 0.3);
+  const [drawn, recorded, second] = await page.evaluate(() => {
+    const { view, trial, other } = window.headpin;
+    const rowsOf = ({ json, sections }) => json.meshes.map(({ number }) => [number, sections.get(`mesh ${number} vertices`).rows]);
+    return [[...view.looks.geometries].map(([number, { attributes }]) => [number, attributes.position.count]), rowsOf(trial), rowsOf(other)];
+  });
+  assert.notDeepEqual(recorded, second);
+  assert.deepEqual(drawn, recorded);
+  assert.deepEqual(await chosen(page), ['again', '']);
+
+  await page.click('#pair [value=b]');
+  assert.deepEqual(await chosen(page), ['recorded', 'b']);
+  const isShown = (which) => page.evaluate((name) => window.headpin.view.trial === (name === 'again' ? window.headpin.again.again : window.headpin[name]), which);
+  assert.ok(await isShown('other'));
+  await page.click('#shown [value=again]');
+  assert.ok(await isShown('again'));
+  await page.click('#shown [value=recorded]');
+  assert.ok(await isShown('trial'));
+  assert.deepEqual(await chosen(page), ['recorded', 'both']);
+  assert.deepEqual(said, []);
+  await page.context().close();
+});
+
+test('"at the skittles" is where the skittles of the shown trial are', async () => {
+  const { page } = await open(browser, 'rooms.html');
+  for (const [which, name] of [['a', 'trial'], ['b', 'other'], ['both', 'trial']]) {
+    await page.click(`#pair [value=${which}]`);
+    await page.selectOption('#from', 'behind');
+    await page.selectOption('#from', 'skittles');
+    const [target, pin] = await page.evaluate((of) => [window.headpin.view.orbit.target.y, window.headpin[of].json.room.head_pin], name);
+    assert.ok(Math.abs(target - pin - 0.3) < 1e-9, `${which}: ${target}, head pin at ${pin}`);
   }
   await page.context().close();
 });
