@@ -153,6 +153,7 @@ std::set<int> packed_meshes(const nlohmann::json& json) {
 TEST(PageData, HasTheSkittlesOfTheOtherShapeForARunUnderIt) {
   for (const SkittleShape recorded_shape : {SkittleShape::parts, SkittleShape::ellipsoid}) {
     Recorded recorded = load_trial(kDemo);
+    recorded.scenario.skittle.seen = SeenSkittle::collider;
     recorded.scenario.collision.shape = recorded_shape;
     const SkittleShape other_shape =
         recorded_shape == SkittleShape::ellipsoid ? SkittleShape::parts : SkittleShape::ellipsoid;
