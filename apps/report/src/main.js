@@ -81,7 +81,7 @@ class Page {
     await new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
     this.view.addOverlays();
     this.plots = new Plots(this.clock);
-    this.video = new Video(this.clock, this.about);
+    this.video = new Video(this.clock, this.about, this.trial.seconds(this.trial.lastTick));
     controls(this);
     this.show(this.trial, null, this.other);
     if (this.other) {

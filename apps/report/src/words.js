@@ -124,3 +124,12 @@ export function firstDifferenceInWords(difference, otherBodies) {
   if (difference === null) return `${others}simulated tick by tick, they are equal to the bit.`;
   return `${others}First different tick: ${difference.tick} (${number(difference.time_s, 6)} s)${difference.body ? `, in the ${difference.body}` : ', where the shorter one ends'}.`;
 }
+
+/** What does not fit between a video and its trial, by how long both last [s]; empty where they fit. */
+export function videoInWords(video, trial) {
+  const differ = Math.abs(video - trial) > 0.1;  // the last frame of a slow display ends that much later
+  if (!differ) return '';
+  const still = video < trial ? ' After its end its last picture stays.' : '';
+  return `(The video lasts ${video.toFixed(3)} s, the trial ${trial.toFixed(3)} s. It is shown from the trial's beginning:`
+    + ` if it does not begin there, it is not in step with the clock.${still})`;
+}

@@ -114,3 +114,29 @@ test('"at the skittles" is where the skittles of the shown trial are', async () 
   }
   await page.context().close();
 });
+
+test('a video of a part of the trial says so, and stays at its last picture', async () => {
+  headpin('frames', 'game.lcmlog', '--frames', '230-259', '--video', 'part.mkv');
+  headpin('report', 'game.lcmlog', '-o', 'part.html', '--video', 'part.mp4');
+  const { page, said } = await open(browser, 'part.html');
+  await page.waitForSelector('#video:not([hidden])');
+  assert.match(await page.textContent('#video-part'), /lasts 0\.500 s, the trial 7\.008 s/);
+  await drawnAt(page, 60);  // 0.25 s
+  await until(page, () => Math.abs(document.querySelector('video').currentTime - 0.25) < 0.01);
+  await page.evaluate(() => {
+    const { clock } = window.headpin;
+    window.seen = [];
+    clock.onChange(() => window.seen.push([clock.tick, document.querySelector('video').currentTime]));
+    clock.setSpeed(0.25);
+    clock.play();
+  });
+  await until(page, () => window.headpin.clock.tick > 300);
+  const seen = await page.evaluate(() => window.seen);
+  const after = seen.filter(([tick]) => tick > 160);  // a while after its end at 120
+  assert.ok(after.length > 3 && after.every(([, time]) => time > 0.4), seen.join(' '));
+  assert.ok(seen.every(([, time], i) => i === 0 || time > seen[i - 1][1] - 0.15), seen.join(' '));
+  await page.evaluate(() => { window.headpin.clock.pause(); window.headpin.clock.go(24); });
+  await until(page, () => Math.abs(document.querySelector('video').currentTime - 0.1) < 0.01);
+  assert.deepEqual(said, []);
+  await page.context().close();
+});

@@ -4,7 +4,7 @@ import test from 'node:test';
 
 import { csvOf } from '../src/csv.js';
 import { againInWords, conditionInWords, firstDifferenceInWords, framesOf, hashInWords, headInWords, lostEnergy, number, resultInBrief,
-  versionInWords } from '../src/words.js';
+  versionInWords, videoInWords } from '../src/words.js';
 
 const each = (value) => ({ skittle: value, ball: value, lane: value, wall: value });
 
@@ -116,4 +116,12 @@ test('other bodies are said before what the rest differs in', () => {
 test('a table as CSV has as many fields in its head as in its rows, whatever its names are', () => {
   assert.equal(csvOf(['time_s', 'ball, A', 'a "b"'], [[0, 1, null], [0.5, 2, 3]]),
     'time_s,"ball, A","a ""b"""\r\n0,1,\r\n0.5,2,3');
+});
+
+test('a video that lasts otherwise than its trial is told', () => {
+  assert.equal(videoInWords(421 / 60, 1682 / 240), '');  // a frame longer
+  assert.equal(videoInWords(71 / 10, 1682 / 240), '');   // likewise, of a slow display
+  assert.match(videoInWords(0.5, 1682 / 240), /video lasts 0\.500 s, the trial 7\.008 s.*last picture stays/);
+  assert.match(videoInWords(9, 1682 / 240), /video lasts 9\.000 s/);
+  assert.doesNotMatch(videoInWords(9, 1682 / 240), /last picture/);
 });
