@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "apps/command.h"
+#include "apps/streams.h"
 #include "scene/looks/looks.h"
 
 namespace headpin::apps {
@@ -24,6 +25,14 @@ base::OutputFolder::Options folder_beside(const FramesOptions& options,
 }
 
 }  // namespace
+
+void say_left_out(const FramesOptions& options, std::size_t wanted, std::int64_t drawn) {
+  const std::int64_t left_out = static_cast<std::int64_t>(wanted) - drawn;
+  if (!options.as_shown || left_out <= 0) return;
+  say("headpin frames: {}: {} of {} recorded frames are not drawn: the replay has no pose of the "
+      "head at their ticks\n",
+      printable(options.trial), left_out, wanted);
+}
 
 base::OutputFolder open_picture_folder(const FramesOptions& options) {
   return {*options.folder, folder_beside(options, options.colmap)};

@@ -40,6 +40,9 @@ Timing timing_of(const FramesOptions& options, std::int64_t fps);
 /// The folder of the pictures, in which no other output may be.
 base::OutputFolder open_picture_folder(const FramesOptions& options);
 
+/// Tells of recorded frames that `--as-shown` cannot draw.
+void say_left_out(const FramesOptions& options, std::size_t wanted, std::int64_t drawn);
+
 /// The wanted folders and files, opened before anything is drawn.
 class FrameOutputs {
  public:

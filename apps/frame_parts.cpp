@@ -219,26 +219,30 @@ void put(const fs::path& file, const fs::path& to, const std::string& called) {
   if (failed) throw std::runtime_error(called + ": cannot be written: " + failed.message());
 }
 
-void put_together(PartsFolder& folder, std::size_t count, const std::string& called,
-                  base::OutputFolder& result) {
+/// @return  how many frames the parts have
+std::int64_t put_together(PartsFolder& folder, std::size_t count, const std::string& called,
+                          base::OutputFolder& result) {
   base::OutputText index(result.file("frames.csv"));
+  std::int64_t frames = 0;
   for (std::size_t i = 0; i < count; ++i) {
     for (const auto& entry : fs::directory_iterator(folder.part(i))) {
       const std::string name = entry.path().filename().string();
       if (name == "frames.csv") {
         const std::string rows = text_of_file(entry.path());
         index << (i == 0 ? rows : rows.substr(rows.find('\n') + 1));
+        frames += std::ranges::count(rows, '\n') - 1;  // less the head
       } else if (!name.starts_with(".") && !(i > 0 && name == "ids.csv")) {
         put(entry.path(), result.file(name), (fs::path(called) / name).string());
       }
     }
   }
   index.close();
+  return frames;
 }
 
 }  // namespace
 
-std::int64_t draw_in_parts(const FrameParts& parts, base::OutputFolder& result) {
+DrawnParts draw_in_parts(const FrameParts& parts, base::OutputFolder& result) {
   PartsFolder folder(parts);
   const std::span<const std::int64_t> all = parts.frames;
   const std::size_t size = std::max(kFewest, (all.size() + kMostParts - 1) / kMostParts);
@@ -271,10 +275,10 @@ std::int64_t draw_in_parts(const FrameParts& parts, base::OutputFolder& result) 
       parts.progress(drawn);
     }
   }
-  put_together(folder, count, parts.folder, result);
+  const std::int64_t frames = put_together(folder, count, parts.folder, result);
   result.commit("frames.csv");
   folder.done();
-  return there;
+  return {frames, there};
 }
 
 }  // namespace headpin::apps

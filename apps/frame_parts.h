@@ -22,15 +22,20 @@ struct FrameParts {
   std::function<void(std::int64_t frames)> progress;
 };
 
+/// What came of the parts.
+struct DrawnParts {
+  std::int64_t frames = 0;         ///< in the folder; fewer than wanted where some cannot be drawn
+  std::int64_t there_already = 0;  ///< wanted ones of parts that were drawn before
+};
+
 /// Draws each part with a separate `headpin frames`, into a folder that is complete or absent, and
 /// joins the parts. The files are the same as those of one run.
 ///
 /// @param result  of `folder`; is committed
-/// @return        how many frames were there already
 /// @throws std::runtime_error  with the message of a process that fails, or when existing parts are
 ///                             of another job
 /// @throws base::Busy         when another headpin draws them
 /// @throws Stopped             by a signal; with `resume`, finished parts stay
-std::int64_t draw_in_parts(const FrameParts& parts, base::OutputFolder& result);
+DrawnParts draw_in_parts(const FrameParts& parts, base::OutputFolder& result);
 
 }  // namespace headpin::apps

@@ -272,7 +272,7 @@ Done draw_apart(const FramesOptions& options, const Task& task, const scene::Rec
   }
   Progress progress("frames", total);
   const render::Fingerprint who = render::fingerprint(eyes.renderer);
-  const std::int64_t there_already =
+  const DrawnParts drawn =
       draw_in_parts({.folder = *options.folder,
                      .trial = options.trial,
                      .arguments = options.of_pictures,
@@ -281,10 +281,11 @@ Done draw_apart(const FramesOptions& options, const Task& task, const scene::Rec
                      .jobs = options.jobs,
                      .resume = options.resume,
                      .made_by = fmt::format("{:016x} {}", who.picture, who.renderer),
-                     .progress = [&](std::int64_t drawn) { progress.show(drawn); }},
+                     .progress = [&](std::int64_t done) { progress.show(done); }},
                     folder);
   cameras.close();
-  return {total, options.as_shown && task.why_not.empty() ? total : 0, there_already};
+  return {drawn.frames, options.as_shown && task.why_not.empty() ? drawn.frames : 0,
+          drawn.there_already};
 }
 
 void report(const FramesOptions& options, const Task& task, const Done& done, bool complete,
@@ -360,6 +361,7 @@ void draw_frames(const FramesOptions& options) {
   const Done done = options.in_parts()
                         ? draw_apart(options, task, recorded, std::move(session), eyes)
                         : draw_here(options, task, recorded, std::move(session), eyes);
+  say_left_out(options, task.frames.size(), done.drawn);
   report(options, task, done, trial.complete, eyes);
 }
 

@@ -460,6 +460,13 @@ const T* TrialPlayer::find(Row<T>& row, std::int64_t tick) {
 }
 
 template const TickState* TrialPlayer::find(Row<TickState>&, std::int64_t);
-template const FrameRecord* TrialPlayer::find(Row<FrameRecord>&, std::int64_t);
+
+std::optional<FrameRecord> TrialPlayer::next_frame(std::int64_t tick) {
+  const FrameRecord* found = find(frames_, tick);
+  if (!found) return std::nullopt;
+  const FrameRecord frame = *found;
+  frames_.read.pop_front();
+  return frame;
+}
 
 }  // namespace headpin::scene

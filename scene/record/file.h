@@ -121,9 +121,11 @@ class TrialPlayer : public devices::Source {
   bool has_frames() const { return frames_.left > 0 || !frames_.read.empty(); }
   bool complete() const { return complete_; }  ///< nothing is missing, as TrialSummary::complete
 
-  /// The recorded state or frame of a tick, or nothing; ticks must increase from call to call.
+  /// The recorded state of a tick, or nothing; ticks must increase from call to call.
   const TickState* state(std::int64_t tick) { return find(states_, tick); }
-  const FrameRecord* frame(std::int64_t tick) { return find(frames_, tick); }
+  /// The next recorded frame of a tick, or nothing. A tick has several where frames came faster than
+  /// ticks: each call gives another one. Ticks must not decrease from call to call.
+  std::optional<FrameRecord> next_frame(std::int64_t tick);
 
  private:
   template <typename T>

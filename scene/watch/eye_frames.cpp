@@ -10,7 +10,7 @@ namespace headpin::scene {
 namespace {
 
 /// Draws a frame and its wanted extras.
-void draw(Eyes& eyes, Glimpse g, const FrameExtras& extras, EyeFrame& frame) {
+void draw_frame(Eyes& eyes, Glimpse g, const FrameExtras& extras, EyeFrame& frame) {
   g.X_WC = extras.X_WC;
   frame.views = extras.pictures ? see(eyes, g, frame.images) : views_of(eyes, g);
   if (!extras.labels) return;
@@ -39,7 +39,7 @@ void FrameByFrame::tick(const Session& session) {
     if (!plan_.wanted(frame_.number)) continue;
     frame_.tick = session.tick;
     const Pose X_WD = head_pose(session, frame_.time).value_or(plan_.X_WD_first);
-    draw(eyes_, before_.glimpse(session, frame_.time, X_WD), plan_.extras, frame_);
+    draw_frame(eyes_, before_.glimpse(session, frame_.time, X_WD), plan_.extras, frame_);
     for (FrameSink* sink : sinks_) sink->add(frame_);
     plan_.progress(++drawn_);
   }
@@ -57,16 +57,19 @@ FramesAsShown::FramesAsShown(Eyes& eyes, TrialPlayer& recorded, Plan plan,
 }
 
 void FramesAsShown::tick(const Session& session) {
-  const FrameRecord* recorded = recorded_.frame(session.tick);
-  if (!recorded || !plan_.wanted(recorded->frame)) return;
-  const std::optional<Pose> X_WD = head_pose(session);
-  if (!X_WD) return;
-  frame_.number = recorded->frame;
+  while (const std::optional<FrameRecord> recorded = recorded_.next_frame(session.tick)) {
+    if (!plan_.wanted(recorded->frame)) continue;
+    if (const auto X_WD = head_pose(session)) draw(*recorded, session, *X_WD);
+  }
+}
+
+void FramesAsShown::draw(const FrameRecord& recorded, const Session& session, const Pose& X_WD) {
+  frame_.number = recorded.frame;
   frame_.tick = session.tick;
   frame_.time = session.now();
-  draw(eyes_, glimpse(session, *X_WD), plan_.extras, frame_);
+  draw_frame(eyes_, glimpse(session, X_WD), plan_.extras, frame_);
   if (plan_.compare) {
-    compare(*recorded);
+    compare(recorded);
     ++compared_;
   }
   for (FrameSink* sink : sinks_) sink->add(frame_);

@@ -72,7 +72,7 @@ class FrameByFrame : public Observer {
 };
 
 /// Draws the recorded frames of a trial, each at its tick, and compares them with the recorded
-/// hashes.
+/// hashes. Those at whose tick no pose of the head is known are left out.
 class FramesAsShown : public Observer {
  public:
   struct Plan {
@@ -94,6 +94,7 @@ class FramesAsShown : public Observer {
   std::int64_t compared() const { return compared_; }  ///< frames found equal
 
  private:
+  void draw(const FrameRecord& recorded, const Session& session, const Pose& X_WD);
   void compare(const FrameRecord& recorded) const;
 
   Eyes& eyes_;

@@ -27,7 +27,9 @@ TEST_F(Play, WritesAPageOfAnyScenario) {
 }
 
 /// The log of a page in which nobody did anything for a second.
-std::vector<std::uint8_t> log_of_a_page(std::string played_with = R"({"device":"mouse"})") {
+/// @param frames_each  how many frames are drawn at each sample of the head
+std::vector<std::uint8_t> log_of_a_page(std::string played_with = R"({"device":"mouse"})",
+                                        std::int64_t frames_each = 1) {
   scene::PageSession::Options options;
   options.device = "mouse";
   scene::PageSession session(to_toml(scene::Scenario{}), options);
@@ -39,12 +41,14 @@ std::vector<std::uint8_t> log_of_a_page(std::string played_with = R"({"device":"
     head.X_TS.p = Vec3(0.0, 1.7, 0.0);
     session.take(head);
     session.advance(head.device_time);
-    scene::FrameRecord drawn;
-    drawn.time = head.device_time;
-    drawn.frame = frame;
-    session.drew(drawn);
+    for (std::int64_t i = 0; i < frames_each; ++i) {
+      scene::FrameRecord drawn;
+      drawn.time = head.device_time;
+      drawn.frame = frames_each * frame + i;
+      session.drew(drawn);
+    }
   }
-  session.finish(61, 0);
+  session.finish(61 * frames_each, 0);
   return session.take_log();
 }
 
@@ -62,6 +66,29 @@ TEST_F(Play, ItsTrialIsOneForEveryCommand) {
   const Result shown = headpin("frames played.lcmlog --as-shown --frames 1-2 -o shown");
   EXPECT_EQ(shown.code, 0) << shown.err;
   EXPECT_THAT(shown.err, HasSubstr("a browser drew them"));
+}
+
+// A browser may draw more frames a second than there are ticks. At tick 0 no pose of the head is known.
+TEST_F(Play, AllItsFramesAreDrawnAsShownAndThoseThatCannotBeAreTold) {
+  const std::vector<std::uint8_t> log = log_of_a_page(R"({"device":"mouse"})", 2);
+  std::ofstream(folder_ / "played.lcmlog", std::ios::binary)
+      .write(reinterpret_cast<const char*>(log.data()), static_cast<std::streamsize>(log.size()));
+  for (const std::string jobs : {"1", "2"}) {
+    const std::string out = "shown" + jobs;
+    const Result shown = headpin("frames played.lcmlog --as-shown --frames 0-5 --samples 1 -o " +
+                                 out + " --jobs " + jobs);
+    EXPECT_EQ(shown.code, 0) << shown.err;
+    EXPECT_THAT(shown.err, HasSubstr("2 of 6 recorded frames are not drawn"));
+    EXPECT_THAT(shown.out, HasSubstr("4 frames of two eyes"));
+    for (const char* frame : {"2", "3", "4", "5"}) {
+      EXPECT_TRUE(fs::exists(folder_ / out / (std::string("left_00000") + frame + ".png")))
+          << frame;
+    }
+    EXPECT_EQ(std::ranges::count(slurp(folder_ / out / "frames.csv"), '\n'), 5);
+  }
+  EXPECT_THAT(headpin("frames played.lcmlog --as-shown --frames 3 --samples 1 -o one").err,
+              Not(HasSubstr("not drawn")));
+  EXPECT_TRUE(fs::exists(folder_ / "one/left_000003.png"));
 }
 
 TEST_F(Play, IsDrawnThroughTheHeadsetsOwnViews) {

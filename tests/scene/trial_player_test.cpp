@@ -36,7 +36,8 @@ fs::path out_of_order(std::mt19937& random) {
     recorder.write(devices::Sample(sample));
     if (i > 1000 && i % 2 == 0) recorder.write(state(i));
     if (i > 1500 && i % 8 == 0) {
-      recorder.write(FrameRecord{tick_time(i, 240), i / 8, i, {}, {1u, 2u}});
+      recorder.write(FrameRecord{tick_time(i, 240), i / 4, i, {}, {1u, 2u}});
+      if (i % 16 == 0) recorder.write(FrameRecord{tick_time(i, 240), i / 4 + 1, i, {}, {1u, 2u}});
     }
   }
   recorder.close();
@@ -71,9 +72,13 @@ TEST(TrialPlayerTest, HandsOutWhatAReplayOfTheWholeTrialDoes) {
       if (there) {
         ASSERT_EQ(recorded->hash, state->hash);
       }
-      const FrameRecord* seen = player.frame(tick);
       while (frame != trial.frames.end() && frame->tick < tick) ++frame;
-      ASSERT_EQ(seen != nullptr, frame != trial.frames.end() && frame->tick == tick) << tick;
+      for (; frame != trial.frames.end() && frame->tick == tick; ++frame) {
+        const std::optional<FrameRecord> seen = player.next_frame(tick);
+        ASSERT_TRUE(seen) << tick;
+        ASSERT_EQ(seen->frame, frame->frame) << tick;
+      }
+      ASSERT_FALSE(player.next_frame(tick)) << tick;
     }
     EXPECT_TRUE(player.exhausted());
     // The longest gap is that of the samples in order.
