@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "render/eyes.h"
+#include "render/lens.h"
 #include "scene/stage/seen_mesh.h"
 
 namespace headpin::scene {
@@ -85,6 +86,8 @@ json of_eyes(const render::Optics& optics) {
     out.push_back({{"X_DE", numbers(view.X_WE)},
                    {"width", view.width},
                    {"height", view.height},
+                   {"pixel_aspect", optics.pixel_aspect()},
+                   {"lens", render::has_lens(optics)},
                    {"frustum",
                     {{"left", f.left},
                      {"right", f.right},

@@ -45,6 +45,8 @@ struct PageData {
 nlohmann::json numbers(const Vec3& v);
 nlohmann::json numbers(const Pose& X);  ///< w, x, y, z, p
 
+/// Of each eye its camera, how wide its pixels are for their height on the display, and whether the
+/// display has a lens.
 nlohmann::json of_eyes(const render::Optics& optics);
 nlohmann::json of_light(const render::DrawList& room);
 nlohmann::json of_room(const Scenario& scenario);

@@ -135,6 +135,19 @@ TEST(PageData, UnderAnotherConditionIsWhatAReplayUnderItGives) {
   EXPECT_TRUE(data.json["meshes"].empty());
 }
 
+TEST(PageData, HasThePixelsOfTheDisplayAsItsPicturesHaveThem) {
+  for (const double k1 : {0.0, 0.18}) {
+    render::Optics optics;
+    optics.lens_k1 = k1;
+    const nlohmann::json eyes = of_eyes(optics);
+    ASSERT_EQ(eyes.size(), 2u);
+    for (const nlohmann::json& eye : eyes) {
+      EXPECT_EQ(eye["pixel_aspect"], optics.pixel_aspect());
+      EXPECT_EQ(eye["lens"], k1 != 0.0);
+    }
+  }
+}
+
 /// Numbers of the meshes that the actors of a page are shown with.
 std::set<int> shown_meshes(const nlohmann::json& json) {
   std::set<int> shown;

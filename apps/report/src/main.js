@@ -2,7 +2,7 @@
 import { Again, pageCommand } from './again.js';
 import { Clock } from './clock.js';
 import { block, hasBlock, jsonBlock, numbersOf } from './data.js';
-import { find, make, number } from './elements.js';
+import { find, make } from './elements.js';
 import { differencesTable, resultTable, showDevices, showEvents, showHead, showMissing, showProvenance, showResult, sheets, unpairedList } from './facts.js';
 import { listen } from './keys.js';
 import { Plots } from './plots.js';
@@ -11,7 +11,7 @@ import { Trial } from './trial.js';
 import { Video } from './video.js';
 import { openView } from './view.js';
 import { showWhatIf } from './whatif.js';
-import { firstDifferenceInWords } from './words.js';
+import { eyeInWords, firstDifferenceInWords } from './words.js';
 
 async function trialOf(which) {
   const json = await jsonBlock(`json${which}`);
@@ -125,11 +125,10 @@ class Page {
     }
     const what = { around: 'the room from outside', left: 'what the left eye sees', right: 'what the right eye sees',
       both: 'what both eyes see' }[this.view.mode];
-    const eye = this.trial.json.eyes[0];
     find('view').setAttribute('aria-label', `3D view: ${what}. Keys are listed at the end of the page.`);
     find('seen').textContent = this.view.mode === 'around'
       ? 'Drag to turn, with Shift to slide; click, or hold Ctrl, and turn the wheel to come nearer. With fingers: two turn, and pinch. Keys: w a s d r f. Trails: head orange, hand green, ball blue.'
-      : `${eye.width} × ${eye.height} pixels a picture, each ${number(this.view.pixelShape())} times as wide as high, as the display has them.`;
+      : eyeInWords(this.view.trial.json.eyes[0]);
     find('from').disabled = this.view.mode !== 'around';
   }
 

@@ -15,11 +15,6 @@ const kSettled = 200;  // ms after the last change
 const kCoarse = 0.4;   // pixels of the picture a pixel of the screen, while it changes, in software
 const kOtherTint = [0.55, 0.8, 1.25];
 
-/** Width of a display's pixel over its height, by the tangents it is seen under. */
-function pixelShapeOf({ frustum: { left, right, bottom, top }, width, height }) {
-  return (((right - left) / (top - bottom)) * height) / width;
-}
-
 /** What stands in for the picture where the browser has no WebGL: all else of the page works. */
 class NoView {
   constructor(canvas, trial, why) {
@@ -33,10 +28,6 @@ class NoView {
 
   load(trial) {
     this.trial = trial;
-  }
-
-  pixelShape() {
-    return pixelShapeOf(this.trial.json.eyes[0]);
   }
 
   setMode(mode) {
@@ -196,10 +187,6 @@ class View {
       this.scene.add(this.otherCast.group);
     }
     this.draw();
-  }
-
-  pixelShape() {
-    return pixelShapeOf(this.eyes[0].eye);
   }
 
   setMode(mode) {

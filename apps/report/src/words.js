@@ -133,3 +133,9 @@ export function videoInWords(video, trial) {
   return `(The video lasts ${video.toFixed(3)} s, the trial ${trial.toFixed(3)} s. It is shown from the trial's beginning:`
     + ` if it does not begin there, it is not in step with the clock.${still})`;
 }
+
+/** The pixels of an eye's picture. The page draws them as if the display had no lens. */
+export function eyeInWords({ width, height, pixel_aspect: aspect, lens }) {
+  return `${width} × ${height} pixels a picture, each ${number(aspect)} times as wide as high, as the display has them.`
+    + (lens ? ' Here the picture is drawn without the distortion of the display\'s lens; headpin frames draws it as it was shown.' : '');
+}

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 
 import { csvOf } from '../src/csv.js';
-import { againInWords, conditionInWords, firstDifferenceInWords, framesOf, hashInWords, headInWords, lostEnergy, number, resultInBrief,
+import { againInWords, conditionInWords, eyeInWords, firstDifferenceInWords, framesOf, hashInWords, headInWords, lostEnergy, number, resultInBrief,
   versionInWords, videoInWords } from '../src/words.js';
 
 const each = (value) => ({ skittle: value, ball: value, lane: value, wall: value });
@@ -124,4 +124,10 @@ test('a video that lasts otherwise than its trial is told', () => {
   assert.match(videoInWords(0.5, 1682 / 240), /video lasts 0\.500 s, the trial 7\.008 s.*last picture stays/);
   assert.match(videoInWords(9, 1682 / 240), /video lasts 9\.000 s/);
   assert.doesNotMatch(videoInWords(9, 1682 / 240), /last picture/);
+});
+
+test('the pixels of a display are told, and that its lens is not drawn', () => {
+  const eye = { width: 360, height: 240, pixel_aspect: 1.0795, lens: true };
+  assert.match(eyeInWords(eye), /^360 × 240 pixels a picture, each 1\.08 times as wide as high.* without the distortion/);
+  assert.doesNotMatch(eyeInWords({ ...eye, lens: false }), /lens/);
 });
