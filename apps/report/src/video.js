@@ -18,7 +18,13 @@ export class Video {
       find('video-part').textContent = videoInWords(this.element.duration, lasts);
       this.follow(clock);
     });
+    this.element.addEventListener('seeked', () => this.sought(clock));
     clock.onChange(() => this.follow(clock));
+  }
+
+  /** Goes on where the clock has moved while the video looked for another time. */
+  sought(clock) {
+    if (!clock.playing && clock.tick !== this.tick) this.follow(clock);
   }
 
   /** Played at the clock's speed and put right where it strays; else at the clock's time. Beyond its end its last picture stays. */
@@ -28,7 +34,10 @@ export class Video {
     const end = video.duration || Infinity;  // not known before its metadata
     const left = end - seconds;
     const astray = Math.abs(video.currentTime - Math.min(seconds, end));
-    if (!video.seeking && astray > (clock.playing ? kAstray : 0.001)) video.currentTime = Math.min(seconds, end);
+    if (!video.seeking && astray > (clock.playing ? kAstray : 0.001)) {
+      video.currentTime = Math.min(seconds, end);
+      this.tick = clock.tick;  // that it looks for
+    }
     // One that has ended would begin anew.
     const plays = clock.playing && left > (video.ended ? kAstray : 0);
     if (plays && video.paused) {
