@@ -365,8 +365,9 @@ MotionRecording recording_of(const MotionTracks& read, const MotionOptions& opti
           ? standing(*options.p_head - options.p_origin, thrower == 1 ? *left : *right)
           : PoseTrack{};
   const PartTracks parts = {options.p_head ? &fixed : head, left, right};
-  MotionRecording recording =
-      together(parts, options.no_hand ? 0 : timing_part(parts, thrower), where);
+  MotionRecording recording = options.no_hand
+                                  ? together(parts, 0, 0, where)
+                                  : together(parts, thrower, timing_part(parts, thrower), where);
   if (read.since_start) {
     for (Time& time : recording.times) time += recording.start;
     recording.start = Time{};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -26,11 +27,11 @@ double top_speed(const PoseTrack& track) {
   return most;
 }
 
-/// When all are tracked, from and to.
-std::pair<Time, Time> all_tracked(const PartTracks& tracks, std::string_view where) {
+/// When head and throwing hand are both tracked, from and to.
+std::pair<Time, Time> both_tracked(const PartTracks& tracks, std::size_t thrower,
+                                   std::string_view where) {
   Time begin = Time::min(), end = Time::max();
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (!tracks[i]) continue;
+  for (const std::size_t i : {std::size_t{0}, thrower}) {
     const std::vector<Stamped<Pose>>& samples = tracks[i]->samples();
     if (samples.empty()) {
       throw std::invalid_argument(fmt::format("{}: no samples of the {}", where, kPartNames[i]));
@@ -41,44 +42,121 @@ std::pair<Time, Time> all_tracked(const PartTracks& tracks, std::string_view whe
   return {begin, end};
 }
 
-/// Refuses a hand that was not tracked for too long while the head was.
-void require_hands(const PartTracks& tracks, Time begin, Time end, std::string_view where) {
-  const std::vector<Stamped<Pose>>& head = tracks[0]->samples();
-  for (std::size_t i = 1; i < 3; ++i) {
-    if (!tracks[i]) continue;
-    const std::vector<Stamped<Pose>>& samples = tracks[i]->samples();
-    for (std::size_t k = 1; k < samples.size(); ++k) {
-      const Time from = samples[k - 1].time, gap = samples[k].time - from;
-      if (gap <= kLongestMixed || from >= end || samples[k].time <= begin) continue;
-      const auto mixed = std::ranges::upper_bound(head, from, {}, &Stamped<Pose>::time);
-      if (mixed == head.end() || mixed->time >= samples[k].time) continue;
-      throw std::invalid_argument(fmt::format(
-          "{}: no samples of the {} for {:.3g} s from {:.3g} s, expected no gap above 0.1 s", where,
-          kPartNames[i], seconds(gap), seconds(from)));
-    }
-  }
-}
-
 /// The last sample up to a time that is not before the first.
 const Stamped<Pose>* last_until(const PoseTrack& track, Time time) {
   const std::vector<Stamped<Pose>>& all = track.samples();
   return &*std::prev(std::ranges::upper_bound(all, time, {}, &Stamped<Pose>::time));
 }
 
-/// Notes the tracks of another rate: more than a twentieth more or fewer samples than there are times.
-void note_rates(const PartTracks& tracks, std::size_t timer, Time begin, Time end,
-                MotionRecording& recording) {
-  const std::size_t times = recording.times.size();
+/// The sample before a time that lies in a gap of a track; null for a time that does not.
+const Stamped<Pose>* before_gap(const PoseTrack& track, Time time) {
+  const Stamped<Pose>* const before = last_until(track, time);
+  if (before->time == time || before == &track.samples().back()) return nullptr;
+  return before[1].time - before->time > kLongestMixed ? before : nullptr;
+}
+
+/// Notes the tracks of another rate: more than a twentieth more or fewer samples than there are times
+/// while they are tracked.
+void note_rates(const PartTracks& tracks, std::size_t timer, MotionRecording& recording) {
+  const std::vector<Time>& times = recording.times;
   for (std::size_t i = 0; i < 3; ++i) {
-    if (!tracks[i] || i == timer) continue;
-    const auto count = static_cast<std::size_t>(std::ranges::count_if(
-        tracks[i]->samples(),
-        [&](const Stamped<Pose>& sample) { return sample.time >= begin && sample.time <= end; }));
-    if (20 * std::max(count, times) <= 21 * std::min(count, times)) continue;
+    if (!tracks[i] || tracks[i]->samples().empty() || i == timer) continue;
+    const std::vector<Stamped<Pose>>& samples = tracks[i]->samples();
+    const Time begin = std::max(recording.start + times.front(), samples.front().time);
+    const Time end = std::min(recording.start + times.back(), samples.back().time);
+    const auto is_between = [&](Time time) { return time >= begin && time <= end; };
+    const auto count =
+        static_cast<std::size_t>(std::ranges::count_if(samples, is_between, &Stamped<Pose>::time));
+    const auto read = static_cast<std::size_t>(std::ranges::count_if(
+        times, [&](Time time) { return is_between(recording.start + time); }));
+    if (20 * std::max(count, read) <= 21 * std::min(count, read)) continue;
     recording.notes.push_back(
         fmt::format("{} samples of the {} are interpolated at the {} times of the {}", count,
-                    kPartNames[i], times, kPartNames[timer]));
+                    kPartNames[i], read, kPartNames[timer]));
   }
+}
+
+/// Notes where an idle hand was not tracked for longer than 0.1 s, and which pose it has there.
+void note_idle_hand(const PoseTrack& track, std::string_view name, MotionRecording& recording) {
+  const Time first = track.samples().front().time, last = track.samples().back().time;
+  const Stamped<Pose>* gap = nullptr;  // the sample before the first one
+  std::size_t before = 0, in_gaps = 0, after = 0;
+  for (const Time since_start : recording.times) {
+    const Time time = recording.start + since_start;
+    before += time < first - kLongestMixed;
+    after += time > last + kLongestMixed;
+    if (time < first || time > last) continue;
+    const Stamped<Pose>* const its = before_gap(track, time);
+    if (!its) continue;
+    ++in_gaps;
+    if (!gap) gap = its;
+  }
+  std::vector<std::string>& notes = recording.notes;
+  if (before > 0) {
+    notes.push_back(
+        fmt::format("no samples of the {} before {} s: its first pose is held there ({} times)",
+                    name, nearest_seconds(first), before));
+  }
+  if (in_gaps > 0) {
+    notes.push_back(
+        fmt::format("no samples of the {} for {:.3g} s from {} s: its poses in such gaps are "
+                    "interpolated ({} times)",
+                    name, seconds(gap[1].time - gap->time), nearest_seconds(gap->time), in_gaps));
+  }
+  if (after > 0) {
+    notes.push_back(
+        fmt::format("no samples of the {} after {} s: its last pose is held there ({} times)", name,
+                    nearest_seconds(last), after));
+  }
+}
+
+/// Notes where the throwing hand was not tracked for longer than 0.1 s while the head was.
+void note_throwing_hand(const PoseTrack& hand, const PoseTrack& head, std::string_view name,
+                        MotionRecording& recording) {
+  const std::vector<Stamped<Pose>>& all = hand.samples();
+  const Time last = recording.start + recording.times.back();
+  for (std::size_t i = 1; i < all.size() && all[i].time <= last; ++i) {
+    const Time from = all[i - 1].time, gap = all[i].time - from;
+    if (from < recording.start || gap <= kLongestMixed) continue;
+    const auto mixed = std::ranges::upper_bound(head.samples(), from, {}, &Stamped<Pose>::time);
+    if (mixed == head.samples().end() || mixed->time >= all[i].time) continue;
+    recording.notes.push_back(
+        fmt::format("no samples of the {} for {:.3g} s from {} s: the recording has a gap there",
+                    name, seconds(gap), nearest_seconds(from)));
+  }
+}
+
+/// The times of a part at which head and throwing hand are known, since the start. Notes those that
+/// are left out.
+void take_times(const PartTracks& tracks, std::size_t thrower, std::size_t timer,
+                std::pair<Time, Time> range, MotionRecording& recording) {
+  std::array<std::vector<Time>, 3> left_out;  // where the gaps of each part begin
+  for (const Stamped<Pose>& sample : tracks[timer]->samples()) {
+    if (sample.time < range.first || sample.time > range.second) continue;
+    bool known = true;
+    for (const std::size_t i : {std::size_t{0}, thrower}) {
+      const Stamped<Pose>* const gap = known ? before_gap(*tracks[i], sample.time) : nullptr;
+      if (!gap) continue;
+      left_out[i].push_back(gap->time);
+      known = false;
+    }
+    if (known) recording.times.push_back(sample.time - range.first);
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (left_out[i].empty()) continue;
+    recording.notes.push_back(fmt::format(
+        "no samples of the {} for more than {:.3g} s from {} s: {} samples of the {} in such "
+        "gaps are left out",
+        kPartNames[i], seconds(kLongestMixed), nearest_seconds(left_out[i].front()),
+        left_out[i].size(), kPartNames[timer]));
+  }
+}
+
+/// The poses of a track at the times of a recording.
+std::vector<Pose> poses_at(const PoseTrack& track, const MotionRecording& recording) {
+  std::vector<Pose> poses;
+  for (const Time time : recording.times) poses.push_back(*track.at(recording.start + time));
+  return poses;
 }
 
 }  // namespace
@@ -100,37 +178,32 @@ std::size_t timing_part(const PartTracks& tracks, std::size_t thrower) {
   return is_too_fast(*tracks[thrower]) && !is_too_fast(*tracks[0]) ? 0 : thrower;
 }
 
-MotionRecording together(const PartTracks& tracks, std::size_t timer, std::string_view where) {
-  const auto [head, left, right] = tracks;
-  const auto [begin, end] = all_tracked(tracks, where);
-  require_hands(tracks, begin, end, where);
+MotionRecording together(const PartTracks& tracks, std::size_t thrower, std::size_t timer,
+                         std::string_view where) {
+  const std::pair<Time, Time> range = both_tracked(tracks, thrower, where);
   MotionRecording recording;
-  recording.start = begin;
-  std::vector<Time> left_out;
-  for (const Stamped<Pose>& sample : tracks[timer]->samples()) {
-    if (sample.time < begin || sample.time > end) continue;
-    const Stamped<Pose>* const before = last_until(*head, sample.time);
-    const bool same = before->time == sample.time;
-    if (!same && before[1].time - before->time > kLongestMixed) {
-      left_out.push_back(before->time);
+  recording.start = range.first;
+  take_times(tracks, thrower, timer, range, recording);
+  if (recording.times.empty()) {
+    throw std::invalid_argument(fmt::format("{}: {} were never recorded at the same time", where,
+                                            thrower == 0
+                                                ? std::string("the samples of the head")
+                                                : fmt::format("head and {}", kPartNames[thrower])));
+  }
+  recording.head = poses_at(*tracks[0], recording);
+  for (std::size_t i = 1; i < 3; ++i) {
+    if (!tracks[i]) continue;
+    if (tracks[i]->samples().empty()) {  // an idle hand
+      recording.notes.push_back(fmt::format("no samples of the {}: left out", kPartNames[i]));
       continue;
     }
-    recording.times.push_back(sample.time - begin);
-    recording.head.push_back(same ? before->value : *head->at(sample.time));
-    if (left) recording.left_hand.push_back(*left->at(sample.time));
-    if (right) recording.right_hand.push_back(*right->at(sample.time));
+    (i == 1 ? recording.left_hand : recording.right_hand) = poses_at(*tracks[i], recording);
+    if (i != thrower) note_idle_hand(*tracks[i], kPartNames[i], recording);
   }
-  if (recording.times.empty()) {
-    throw std::invalid_argument(
-        fmt::format("{}: head and hands were never recorded at the same time", where));
+  if (thrower != 0 && timer == thrower) {
+    note_throwing_hand(*tracks[thrower], *tracks[0], kPartNames[thrower], recording);
   }
-  if (!left_out.empty()) {
-    recording.notes.push_back(fmt::format(
-        "no samples of the head for more than {:.3g} s from {:.3g} s: {} samples of the {} in such "
-        "gaps are left out",
-        seconds(kLongestMixed), seconds(left_out.front()), left_out.size(), kPartNames[timer]));
-  }
-  note_rates(tracks, timer, begin, end, recording);
+  note_rates(tracks, timer, recording);
   return recording;
 }
 

@@ -22,15 +22,18 @@ std::size_t throwing_part(const PartTracks& tracks, std::optional<bool> left_thr
 /// may have (250) and the head has not.
 std::size_t timing_part(const PartTracks& tracks, std::size_t thrower);
 
-/// Head and hands at the times of one of them, while all are tracked. The others are interpolated.
+/// Head and hands at the times of one of them, while head and throwing hand are both tracked. The others are
+/// interpolated.
 ///
-/// Samples in a gap of the head above 0.1 s are left out. Notes say so, and tell tracks that have
-/// another rate.
+/// Samples in a gap of the head above 0.1 s are left out; a gap of the throwing hand is one of the
+/// recording. An idle hand that is not tracked keeps its first or its last pose; in its gaps it is
+/// interpolated. Notes say so, and tell tracks that have another rate.
 ///
-/// @param tracks  with a head
-/// @param timer   whose times are taken: timing_part(), so that each sample of the throwing hand is kept
-/// @throws std::invalid_argument  when all were never tracked at the same time, or a hand was not for
-///                                longer than 0.1 s while the head was
-MotionRecording together(const PartTracks& tracks, std::size_t timer, std::string_view where);
+/// @param tracks   with a head
+/// @param thrower  throwing_part(); 0 for a recording of the head
+/// @param timer    whose times are taken: timing_part(), so that each sample of the throwing hand is kept
+/// @throws std::invalid_argument  when head and throwing hand were never tracked at the same time
+MotionRecording together(const PartTracks& tracks, std::size_t thrower, std::size_t timer,
+                         std::string_view where);
 
 }  // namespace headpin::devices

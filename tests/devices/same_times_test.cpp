@@ -20,7 +20,8 @@ PoseTrack moving(Time first, Time step, double speed) {
 
 MotionRecording joined(const PoseTrack& head, const PoseTrack* left, const PoseTrack* right) {
   const PartTracks tracks = {&head, left, right};
-  return together(tracks, throwing_part(tracks), "x");
+  const std::size_t thrower = throwing_part(tracks);
+  return together(tracks, thrower, thrower, "x");
 }
 
 /// Each sample of a track within the recording is in it, to the last bit and at its time.
@@ -73,7 +74,7 @@ TEST(SameTimes, AreThoseOfTheHeadWhereTheHandIsTooFastForATrial) {
   EXPECT_EQ(timing_part({&slow, nullptr, &fast}, 2), 0u);
   EXPECT_EQ(timing_part({&fast, nullptr, &fast}, 2), 2u);
   const PartTracks tracks = {&slow, nullptr, &fast};
-  const MotionRecording r = together(tracks, timing_part(tracks, 2), "x");
+  const MotionRecording r = together(tracks, 2, timing_part(tracks, 2), "x");
   expect_all_samples(slow, r, r.head);
   EXPECT_THAT(r.notes,
               testing::ElementsAre(HasSubstr("samples of the right hand are interpolated")));
@@ -105,26 +106,78 @@ TEST(SameTimes, AreNoneInAGapOfTheHead) {
   EXPECT_THAT(r.notes[0], HasSubstr("no samples of the head for more than 0.1 s from 0.4 s: 19"));
 }
 
-TEST(SameTimes, NeedEachPartAtOnce) {
-  PoseTrack head = moving(Time{0}, Time{10'000}, 0.0);
-  PoseTrack left = moving(Time{200'000}, Time{10'000}, 0.0);
+TEST(SameTimes, AreNoneInAGapOfAThrowingHandWhoseTimesAreNotTaken) {
+  const PoseTrack head = moving(Time{0}, Time{10'000}, 0.5);
+  PoseTrack hand;
+  for (const auto& sample : moving(Time{0}, Time{2'000}, 6.0).samples()) {
+    if (sample.time <= Time{400'000} || sample.time >= Time{600'000})
+      hand.push(sample.time, sample.value);
+  }
+  const MotionRecording r = together({&head, nullptr, &hand}, 2, 0, "x");
+  EXPECT_EQ(r.times.size(), 81u);
+  EXPECT_THAT(r.notes, testing::Contains(HasSubstr(
+                           "no samples of the right hand for more than 0.1 s from 0.4 s: 19")));
+}
+
+TEST(SameTimes, NeedHeadAndThrowingHandAtOnce) {
+  const PoseTrack head = moving(Time{0}, Time{10'000}, 0.0);
+  const PoseTrack late = moving(Time{200'000}, Time{10'000}, 0.0);
   const PoseTrack right = moving(Time{3'000}, Time{10'000}, 1.0);
-  const MotionRecording r = joined(head, &left, &right);
+  const MotionRecording r = joined(late, nullptr, &right);
   ASSERT_EQ(r.times.size(), 79u);  // from 0.203 s to 0.983 s; the head ends at 0.99 s
   EXPECT_EQ(r.start, Time{200'000});
   EXPECT_EQ(r.times.front(), Time{3'000});
-  PoseTrack holed = right, late;
-  holed.push(Time{1'500'000}, {});
-  head.push(Time{1'300'000}, {});
-  head.push(Time{1'600'000}, {});
-  left.push(Time{1'600'000}, {});
-  EXPECT_EQ(complaint([&] { joined(head, &right, &holed); }), "");
-  EXPECT_THAT(complaint([&] { joined(head, &left, &holed); }),
-              HasSubstr("no samples of the left hand for"));
-  EXPECT_THAT(complaint([&] { joined(head, &left, &late); }),
+  PoseTrack none, after;
+  EXPECT_THAT(complaint([&] { joined(head, &late, &none); }),
               HasSubstr("no samples of the right hand"));
-  late.push(Time{9'000'000}, {});
-  EXPECT_THAT(complaint([&] { joined(head, &head, &late); }), HasSubstr("never recorded"));
+  after.push(Time{9'000'000}, {});
+  EXPECT_THAT(complaint([&] { joined(head, &head, &after); }),
+              HasSubstr("head and right hand were never recorded"));
+}
+
+// A left hand that was put down after a few seconds took the rest of the right hand's throws away.
+TEST(SameTimes, AreThoseOfTheThrowingHandHoweverShortTheOtherIsTracked) {
+  const PoseTrack head = moving(Time{0}, Time{10'000}, 0.0);
+  const PoseTrack right = moving(Time{0}, Time{10'000}, 6.0);
+  PoseTrack left;
+  for (const int ms : {300, 310, 320, 500, 510})
+    left.push(Time{1000 * ms}, {Quat::Identity(), Vec3(0.0, 0.001 * ms, 0.0)});
+  const MotionRecording r = joined(head, &left, &right);
+  EXPECT_EQ(r.times.size(), right.samples().size());
+  expect_all_samples(right, r, r.right_hand);
+  ASSERT_EQ(r.left_hand.size(), r.times.size());
+  EXPECT_EQ(r.left_hand.front().p.y(), 0.3);
+  EXPECT_NEAR(r.left_hand[41].p.y(), 0.41, 1e-12);  // between two samples, 0.18 s apart
+  EXPECT_EQ(r.left_hand.back().p.y(), 0.51);
+  EXPECT_THAT(
+      r.notes,
+      testing::IsSupersetOf(
+          {HasSubstr("no samples of the left hand before 0.3 s: its first pose is held there (20"),
+           HasSubstr("no samples of the left hand for 0.18 s from 0.32 s: its poses in such gaps "
+                     "are interpolated (17"),
+           HasSubstr(
+               "no samples of the left hand after 0.51 s: its last pose is held there (38")}));
+  const PoseTrack none;
+  const MotionRecording alone = joined(head, &none, &right);
+  EXPECT_EQ(alone.times.size(), right.samples().size());
+  EXPECT_THAT(alone.left_hand, testing::IsEmpty());
+  EXPECT_THAT(alone.notes, testing::ElementsAre("no samples of the left hand: left out"));
+}
+
+// So one throw ends there and the next begins, as in a gap of all.
+TEST(SameTimes, OfAThrowingHandWithAGapHaveIt) {
+  const PoseTrack head = moving(Time{0}, Time{10'000}, 0.0);
+  PoseTrack right;
+  for (const auto& sample : moving(Time{0}, Time{10'000}, 6.0).samples()) {
+    if (sample.time <= Time{400'000} || sample.time >= Time{600'000})
+      right.push(sample.time, sample.value);
+  }
+  const MotionRecording r = joined(head, nullptr, &right);
+  EXPECT_EQ(r.times.size(), 81u);
+  expect_all_samples(right, r, r.right_hand);
+  EXPECT_THAT(r.notes, testing::Contains(
+                           "no samples of the right hand for 0.2 s from 0.4 s: the recording has a "
+                           "gap there"));
 }
 
 }  // namespace
