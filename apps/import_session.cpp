@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -68,35 +69,71 @@ std::string run_of(const std::string& name) {
   return at == std::string::npos ? "" : name.substr(at, name.find('_', at + 1) - at) + "_";
 }
 
+constexpr std::string_view kTracksys = "_tracksys-";
+
+/// "sub-01_task-bowling" of "sub-01_task-bowling_tracksys-head_run-01_motion.tsv".
+std::string task_of(const std::string& name) {
+  return name.substr(0, name.find(kTracksys));
+}
+
+/// "head" of the same; empty if a name has none.
+std::string system_of(const std::string& name) {
+  const std::size_t at = name.find(kTracksys);
+  if (at == std::string::npos) return "";
+  const std::size_t begin = at + kTracksys.size();
+  return name.substr(begin, name.find('_', begin) - begin);
+}
+
+/// Whether `experiment export` writes what a tracker of this name measured.
+bool is_our_tracker(std::string_view system) {
+  if (system == "head" || system == "hand" || system == "lefthand") return true;
+  constexpr std::string_view kStation = "station";
+  if (!system.starts_with(kStation)) return false;
+  const std::string_view number = system.substr(kStation.size());
+  return !number.empty() &&
+         std::ranges::all_of(number, [](char c) { return c >= '0' && c <= '9'; });
+}
+
 bool is_bids_trial(const std::string& path) {
   const fs::path file = path;
-  const std::string name = file.filename().string();
-  const std::size_t system = name.find("_tracksys-");
-  if (system == std::string::npos || !name.ends_with("_motion.tsv")) return false;
+  const std::string name = file.filename().string(), system = system_of(name);
+  if (!name.ends_with("_motion.tsv") || !(is_our_tracker(system) || system == "simulated")) {
+    return false;
+  }
   const std::string run = run_of(name);
-  const fs::path sidecar = file.parent_path() / (name.substr(0, system) + run + "events.json");
+  const fs::path sidecar = file.parent_path() / (task_of(name) + run + "events.json");
   if (run.empty() || !fs::is_regular_file(sidecar)) return false;
   const nlohmann::json json =
       nlohmann::json::parse(base::read_text(sidecar.string(), kMostOfTable), nullptr, false);
   return json.is_object() && json.contains("HeadpinTrial");
 }
 
-/// All tables and sidecars of the same run, without the simulated ones.
+/// The tables of the same participant, task and run, without the simulated ones.
 WholeTrial bids_trial(const std::string& path) {
-  const fs::path folder = fs::absolute(path).parent_path();
-  const std::string run = run_of(fs::path(path).filename().string());
+  const std::string given = fs::path(path).filename().string();
+  const std::string task = task_of(given), run = run_of(given);
   std::map<std::string, std::string> texts;
-  std::vector<std::string> files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    if (run_of(name) != run || name.find("_tracksys-simulated_") != std::string::npos) continue;
+  std::vector<std::string> files, notes;
+  for (const auto& entry : fs::directory_iterator(fs::absolute(path).parent_path())) {
+    const std::string name = entry.path().filename().string(), system = system_of(name);
+    const bool events = name == task + run + "events.tsv" || name == task + run + "events.json";
+    const bool motion = !system.empty() && system != "simulated" && task_of(name) == task &&
+                        run_of(name) == run && name.ends_with("_motion.tsv");
+    if (motion && !is_our_tracker(system)) {
+      notes.push_back(
+          fmt::format("{}: headpin writes no tracking system '{}': left out", name, system));
+      continue;
+    }
+    if (!events && !motion) continue;
     texts[name] = base::read_text(entry.path().string(), kMostOfTable);
     files.push_back(entry.path().string());
   }
+  std::ranges::sort(notes);  // a folder has no order
   try {
     study::BidsTrial trial = study::session_of(texts);
     return {.header = std::move(trial.header),
             .samples = std::move(trial.samples),
+            .notes = std::move(notes),
             .files = std::move(files),
             .scenario_from = path};
   } catch (const std::invalid_argument& error) {

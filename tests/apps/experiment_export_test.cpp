@@ -62,6 +62,29 @@ TEST_F(StudyExport, IsReadBackToTheSameSamples) {
   expect_refusal("experiment export study --motion-bids data", 1, "a dataset exists there");
 }
 
+// Files of another task or of another tracking system in the same folder were mixed in, or refused the trial.
+TEST_F(StudyExport, IsReadBackWithoutTheFilesOfOtherTasksAndTrackingSystems) {
+  play(1);
+  ASSERT_EQ(headpin("experiment export study --motion-bids data").code, 0);
+  const std::string motion = "data/sub-p001/motion/sub-p001_task-bowling_tracksys-";
+  const std::string import = "import " + motion + "hand_run-01_motion.tsv --json -o ";
+  const nlohmann::json alone = json(import + "alone.lcmlog");
+  EXPECT_TRUE(alone["notes"].empty()) << alone;
+  const std::filesystem::path folder = folder_ / "data/sub-p001/motion";
+  std::filesystem::copy_file(folder / "sub-p001_task-bowling_tracksys-hand_run-01_motion.tsv",
+                             folder / "sub-p001_task-second_tracksys-hand_run-01_motion.tsv");
+  std::ofstream(folder / "sub-p001_task-rest_run-01_events.tsv") << "onset\tduration\n0\t1\n";
+  std::ofstream(folder / "sub-p001_task-bowling_tracksys-imu_run-01_motion.tsv") << "0.1\t0.2\n";
+  const nlohmann::json beside = json(import + "beside.lcmlog");
+  EXPECT_EQ(beside["samples"], alone["samples"]);
+  EXPECT_EQ(slurp(folder_ / "beside.lcmlog"), slurp(folder_ / "alone.lcmlog"));
+  ASSERT_EQ(beside["notes"].size(), 1u) << beside;
+  EXPECT_EQ(
+      beside["notes"][0],
+      "sub-p001_task-bowling_tracksys-imu_run-01_motion.tsv: headpin writes no tracking system "
+      "'imu': left out");
+}
+
 // What the validator does not look at: as many columns as channels, and only participants who are there.
 TEST_F(StudyExport, TablesFitTheirChannelsAndPeopleTheirFolders) {
   play(2);
