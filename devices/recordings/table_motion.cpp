@@ -52,16 +52,39 @@ Quat of_angles(const Vec3& angles, std::string_view order) {
   return q.normalized();
 }
 
+/// Whether the angles of a part are in degrees, as a unit in the table says it; none without a unit.
+std::optional<bool> said_degrees(const AnyTable& table, const PartColumns& part) {
+  for (const auto& column : part.angles) {
+    if (!column) continue;
+    const std::string unit = unit_of(table.columns[*column]);
+    if (unit == "deg" || unit == "degrees") return true;
+    if (unit == "rad" || unit == "radians") return false;
+  }
+  return std::nullopt;
+}
+
+/// Whether the angles without a unit are in degrees: one of any part is above a full turn in radians.
+/// The angles of one part say too little, as a hand may rest.
+bool angles_look_like_degrees(const AnyTable& table, const MotionColumns& columns) {
+  for (const PartColumns& part : columns.parts) {
+    if (!part.tracked() || said_degrees(table, part)) continue;
+    for (const auto& column : part.angles) {
+      if (!column) continue;
+      const auto is_large = [&](const AnyTable::Row& row) {
+        return std::abs(table.number(row.cells[*column]).value_or(0.0)) > 2.0 * std::numbers::pi;
+      };
+      if (std::ranges::any_of(table.rows, is_large)) return true;
+    }
+  }
+  return false;
+}
+
 /// The rotation of one part, row by row.
 class RotationReader {
  public:
-  RotationReader(const AnyTable& table, const PartColumns& part, const MotionOptions& options,
+  RotationReader(const AnyTable& table, const PartColumns& part, bool degrees,
                  const std::string& order)
-      : table_(table), part_(part), order_(order) {
-    degrees_ = options.degrees.value_or(part.angles[0].has_value() && angles_look_like_degrees());
-  }
-
-  bool degrees() const { return degrees_; }
+      : table_(table), part_(part), order_(order), degrees_(degrees) {}
 
   /// @param quaternion  the order of the four columns as they stand in the file
   /// @return  none for cells that are no numbers, or that are no rotation
@@ -118,23 +141,10 @@ class RotationReader {
     return Quat(R).normalized();
   }
 
-  bool angles_look_like_degrees() const {
-    for (const auto& column : part_.angles) {
-      const std::string unit = unit_of(table_.columns[*column]);
-      if (unit == "deg" || unit == "degrees") return true;
-      if (unit == "rad" || unit == "radians") return false;
-      for (const AnyTable::Row& row : table_.rows) {
-        if (std::abs(table_.number(row.cells[*column]).value_or(0.0)) > 2.0 * std::numbers::pi)
-          return true;
-      }
-    }
-    return false;
-  }
-
   const AnyTable& table_;
   const PartColumns& part_;
   std::string order_;
-  bool degrees_ = false;
+  bool degrees_;
 };
 
 /// The letters of a quaternion's columns in the order in which they stand in the file.
@@ -221,6 +231,7 @@ class TableMotion {
     require_columns();
     for (const std::string& missing : columns_.missing) tracks_.notes.push_back(missing);
     find_reading();
+    look_like_degrees_ = angles_look_like_degrees(table_, columns_);
     order_rows();
     for (std::size_t part = 0; part < 3; ++part) {
       if (columns_.parts[part].tracked()) read_part(part);
@@ -319,7 +330,9 @@ class TableMotion {
     const PartColumns& its = columns_.parts[part];
     const TimedRows rows = rows_of(part);
     const std::string order = angle_order();
-    const RotationReader rotation_of(table_, its, options_, order);
+    const bool degrees =
+        options_.degrees.value_or(said_degrees(table_, its).value_or(look_like_degrees_));
+    const RotationReader rotation_of(table_, its, degrees, order);
     const Axes axes(reading_.axes, where_), turning(reading_.turning, where_);
     PoseTrack track;
     const std::string quaternion = its.rotation != RotationKind::quaternion
@@ -348,11 +361,11 @@ class TableMotion {
     if (its.angles[0]) {
       tracks_.reading.angles =
           fmt::format("{},{}", its.rotation == RotationKind::vector ? "vector" : order,
-                      rotation_of.degrees() ? "deg" : "rad");
+                      degrees ? "deg" : "rad");
     }
-    if (its.rotation == RotationKind::angles && part == 0) {
-      tracks_.notes.push_back(fmt::format("rotations are angles: read as {} in {}", order,
-                                          rotation_of.degrees() ? "degrees" : "radians"));
+    if (its.rotation == RotationKind::angles) {
+      tell_once(tracks_.notes, fmt::format("rotations are angles: read as {} in {}", order,
+                                           degrees ? "degrees" : "radians"));
     }
     if (its.rotation == RotationKind::none) tracks_.without_rotation.emplace_back(kPartNames[part]);
     if (part > 0 && its.trigger) {
@@ -400,6 +413,7 @@ class TableMotion {
   std::vector<std::optional<double>> times_;
   TimedRows rows_;
   Reading reading_;
+  bool look_like_degrees_ = false;  ///< angles without a unit
   MotionTracks tracks_;
 };
 
