@@ -130,8 +130,15 @@ std::optional<bool> pressed_by(const std::vector<std::string>& words) {
   const auto is = [&](std::string_view word) {
     return std::ranges::find(words, word) != words.end();
   };
+  if (is("not")) {  // "not pressed"
+    std::vector<std::string> others = words;
+    std::erase(others, "not");
+    const std::optional<bool> pressed = pressed_by(others);
+    return pressed ? std::optional(!*pressed) : std::nullopt;
+  }
   if (any({"pick"})) return true;  // up, too
-  if (any({"release", "throw", "drop", "letgo"}) || is("let") || is("up")) return false;
+  if (any({"unpress", "notpress", "release", "throw", "drop", "letgo"}) || is("let") || is("up"))
+    return false;
   if (any({"grab", "grasp", "press", "take", "hold"}) || is("down")) return true;
   return std::nullopt;
 }

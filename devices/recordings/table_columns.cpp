@@ -6,107 +6,12 @@
 
 #include <fmt/format.h>
 
+#include "devices/recordings/table_objects.h"
+#include "devices/recordings/table_time.h"
+#include "devices/recordings/table_trigger.h"
+
 namespace headpin::devices {
 namespace {
-
-/// Matrices count from 0 or from 1: "m00" to "m23", or "r11" to "r33".
-void take_matrix(PartColumns& part, const std::map<std::size_t, std::size_t>& elements) {
-  const std::size_t from = elements.contains(0) ? 0 : 1;
-  for (std::size_t row = 0; row < 3; ++row) {
-    for (std::size_t column = 0; column < 4; ++column) {
-      const auto found = elements.find(10 * (row + from) + column + from);
-      if (found == elements.end()) continue;
-      if (column < 3) {
-        part.matrix[3 * row + column] = found->second;
-      } else if (!part.position[row]) {
-        part.position[row] = found->second;
-      }
-    }
-  }
-}
-
-/// The columns of one object of the table.
-struct Object {
-  PartColumns columns;
-  std::map<std::size_t, std::size_t> elements;  ///< of a matrix
-};
-
-template <std::size_t N>
-bool whole(const std::array<std::optional<std::size_t>, N>& columns) {
-  return std::ranges::all_of(columns, [](const auto& c) { return c.has_value(); });
-}
-
-template <std::size_t N>
-bool any(const std::array<std::optional<std::size_t>, N>& columns) {
-  return std::ranges::any_of(columns, [](const auto& c) { return c.has_value(); });
-}
-
-void finish(Object& object) {
-  PartColumns& part = object.columns;
-  if (!object.elements.empty()) take_matrix(part, object.elements);
-  // Three numbers called a rotation, without a fourth, are angles.
-  if (!part.quaternion[0] && part.quaternion[1] && !any(part.angles)) {
-    part.angles = {part.quaternion[1], part.quaternion[2], part.quaternion[3]};
-    part.quaternion = {};
-  }
-  part.rotation = whole(part.quaternion) ? RotationKind::quaternion
-                  : whole(part.angles)   ? RotationKind::angles
-                  : whole(part.matrix)   ? RotationKind::matrix
-                                         : RotationKind::none;
-}
-
-void put(Object& object, const Component& component, std::size_t column) {
-  PartColumns& part = object.columns;
-  const auto set = [&](std::optional<std::size_t>& place) {
-    if (!place) place = column;
-  };
-  switch (component.quantity) {
-    case Quantity::position:
-      set(part.position[component.index]);
-      break;
-    case Quantity::quaternion:
-      set(part.quaternion[component.index]);
-      break;
-    case Quantity::angle:
-      set(part.angles[component.index]);
-      break;
-    case Quantity::matrix:
-      object.elements.emplace(component.index, column);
-      break;
-    case Quantity::trigger:
-      set(part.trigger);
-      break;
-    case Quantity::none:
-      break;
-  }
-}
-
-/// What the * of a pattern stands for in a name; none if the name is not of the pattern.
-std::optional<std::string> starred(std::string_view name, std::string_view pattern) {
-  const std::size_t star = pattern.find('*');
-  const std::string_view begin = pattern.substr(0, star), end = pattern.substr(star + 1);
-  if (name.size() < begin.size() + end.size() || !name.starts_with(begin) || !name.ends_with(end))
-    return std::nullopt;
-  return std::string(name.substr(begin.size(), name.size() - begin.size() - end.size()));
-}
-
-/// The objects of a table by name, those with a whole position.
-std::vector<std::pair<std::string, Object>> objects_of(const AnyTable& table,
-                                                       std::string_view pattern = "*") {
-  std::vector<std::pair<std::string, Object>> objects;
-  for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    const std::optional<std::string> rest = starred(table.columns[c].name, pattern);
-    if (!rest) continue;
-    const Component component = component_of(*rest);
-    if (component.quantity == Quantity::none) continue;
-    auto object =
-        std::ranges::find(objects, component.object, &std::pair<std::string, Object>::first);
-    if (object == objects.end()) object = objects.insert(objects.end(), {component.object, {}});
-    put(object->second, component, c);
-  }
-  for (auto& [name, object] : objects) finish(object);
-  return objects;
-}
 
 std::optional<std::size_t> column_called(const AnyTable& table, std::string_view name) {
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
@@ -119,28 +24,6 @@ std::optional<std::size_t> column_called(const AnyTable& table, std::string_view
   if (std::ranges::count_if(table.columns, is_it) != 1) return std::nullopt;
   return static_cast<std::size_t>(std::ranges::find_if(table.columns, is_it) -
                                   table.columns.begin());
-}
-
-std::optional<std::size_t> find_time(const AnyTable& table) {
-  // The best name first.
-  constexpr std::array<std::array<std::string_view, 4>, 3> kNames = {
-      {{"time", "timestamp", "t", "elapsed"},
-       {"timestamps", "seconds", "sec", "utc"},
-       {"frame", "sample", "frames", "index"}}};
-  for (const auto& names : kNames) {
-    for (std::size_t c = 0; c < table.columns.size(); ++c) {
-      const std::vector<std::string> words = words_of(table.columns[c].last);
-      const bool named = std::ranges::any_of(words, [&](const std::string& word) {
-        return std::ranges::find(names, word) != names.end();
-      });
-      // "time_frame" is a number of frames.
-      const bool frames =
-          &names != &kNames.back() && std::ranges::find(words, "frame") != words.end();
-      if (named && !frames && component_of(table.columns[c].name).quantity == Quantity::none)
-        return c;
-    }
-  }
-  return std::nullopt;
 }
 
 /// Puts what the user told into the columns.
@@ -173,7 +56,7 @@ class Told {
                           "expected x, y, z, qw, qx, qy, qz, rx, ry, rz (angles), m00 to m22 or "
                           "trigger");
       }
-      put(objects_[part], component, column(told));
+      put(objects_[part], component, column(told), "");
     }
   }
 
@@ -249,8 +132,6 @@ class Told {
   std::map<std::size_t, Object> objects_;
 };
 
-using Objects = std::vector<std::pair<std::string, Object>>;
-
 using Candidates = std::vector<const std::pair<std::string, Object>*>;
 
 /// Of several objects, those with a rotation; of these, those that are called a head or a hand.
@@ -307,15 +188,18 @@ const Object* only_hand(const Objects& objects, const Object* head) {
   return found.size() == 1 ? &found.front()->second : nullptr;
 }
 
-/// A trigger or button that belongs to no object with a position.
-std::optional<std::size_t> loose_trigger(const Objects& objects, std::size_t part) {
-  std::optional<std::size_t> found;
+/// A trigger or button that belongs to no head or hand: one with the name of the part before one without.
+std::optional<std::size_t> loose_trigger(const AnyTable& table, const Objects& objects,
+                                         std::size_t part) {
+  std::array<std::optional<std::size_t>, 2> found;  // without and with the name of the part
   for (const auto& [name, object] : objects) {
     const auto of = part_of_name(name);
-    if (!object.columns.trigger || (of && *of != part)) continue;
-    if (of || !found) found = object.columns.trigger;
+    const std::optional<std::size_t>& its = object.columns.trigger;
+    if (!its || (of && *of != part)) continue;
+    std::optional<std::size_t>& best = found[of ? 1 : 0];
+    best = best ? better_trigger(table, *best, *its) : *its;
   }
-  return found;
+  return found[1] ? found[1] : found[0];
 }
 
 /// The words in a column, at most twenty of them; none if it has numbers.
@@ -480,7 +364,8 @@ MotionColumns find_columns(const AnyTable& table, const ToldColumns& told, bool 
       said.add(part, its);
     }
     if (trigger) its.trigger = trigger;
-    if (part > 0 && its.tracked() && !its.trigger) its.trigger = loose_trigger(objects, part);
+    if (part > 0 && its.tracked() && !its.trigger)
+      its.trigger = loose_trigger(table, objects, part);
   }
   if (!columns.parts[0].tracked() || columns.object) {
     find_objects(table, objects, only_hand_is_left, columns);

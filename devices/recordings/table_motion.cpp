@@ -12,16 +12,14 @@
 
 #include "devices/recordings/any_table.h"
 #include "devices/recordings/catalogue_csv.h"
-#include "devices/recordings/marker_file.h"
 #include "devices/recordings/table_columns.h"
 #include "devices/recordings/table_time.h"
+#include "devices/recordings/table_trigger.h"
 
 namespace headpin::devices {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-
-using TimedRows = std::vector<std::pair<Time, const AnyTable::Row*>>;
 
 bool is_catalogue(const AnyTable& table) {
   const auto has = [&](std::string_view name) {
@@ -153,60 +151,6 @@ std::string order_of(const PartColumns& part) {
   for (std::size_t i = 0; i < 4; ++i) letters[i] = {*part.quaternion[i], "wxyz"[i]};
   std::ranges::sort(letters);
   return {letters[0].second, letters[1].second, letters[2].second, letters[3].second};
-}
-
-/// What a cell says of a trigger: a number, or 1 and 0 for a word. Nothing for blank and other cells.
-std::optional<double> trigger_value(const AnyTable& table, std::string_view cell) {
-  if (const auto number = table.number(cell)) return number;
-  const std::string word = small_letters(cell);
-  if (is_one_of(word, {"true", "on", "yes"})) return 1.0;
-  if (is_one_of(word, {"false", "off", "no"})) return 0.0;
-  if (const auto pressed = pressed_by(words_of(cell))) return *pressed ? 1.0 : 0.0;
-  return std::nullopt;
-}
-
-/// Both hands may have one trigger, of which they need be told once.
-void tell_once(std::vector<std::string>& notes, std::string note) {
-  if (std::ranges::find(notes, note) == notes.end()) notes.push_back(std::move(note));
-}
-
-/// The changes of a trigger: a press is above half of its largest value. A cell that says nothing keeps
-/// the value before; in a column that never says "not pressed" it is not pressed.
-std::vector<Stamped<bool>> presses(const AnyTable& table, std::size_t column, const TimedRows& rows,
-                                   std::vector<std::string>& notes) {
-  double most = 0.0;
-  std::size_t silent = 0;
-  for (const auto& [time, row] : rows) {
-    const auto value = trigger_value(table, row->cells[column]);
-    most = std::max(most, value.value_or(0.0));
-    silent += !value;
-  }
-  const std::string& name = table.columns[column].name;
-  if (silent == rows.size()) {
-    tell_once(notes,
-              fmt::format(
-                  "the trigger '{}' has no numbers, and no words such as grab and release: ignored",
-                  name));
-    return {};
-  }
-  const auto is_released = [&](const auto& row) {
-    const auto value = trigger_value(table, row.second->cells[column]);
-    return value && !(most > 0.0 && *value > 0.5 * most);
-  };
-  const bool keeps = std::ranges::any_of(rows, is_released);
-  if (silent > 0) {
-    tell_once(notes,
-              fmt::format("the trigger '{}' is blank or no number in {} of {} rows: {}", name,
-                          silent, rows.size(), keeps ? "the value before is kept" : "not pressed"));
-  }
-  std::vector<Stamped<bool>> changes;
-  for (const auto& row : rows) {
-    const bool before = !changes.empty() && changes.back().value;
-    const bool says = trigger_value(table, row.second->cells[column]).has_value();
-    const bool pressed = says ? most > 0.0 && !is_released(row) : keeps && before;
-    if (pressed != before) changes.push_back({row.first, pressed});
-  }
-  return changes;
 }
 
 /// Reads the rows of a table into tracks.

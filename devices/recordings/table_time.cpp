@@ -184,6 +184,36 @@ class TimeReader {
   std::vector<std::string>& notes_;
 };
 
+/// The share of rows in which a column's time advances, less those in which it goes back. It is about 0
+/// for the time since the row before.
+double advance(const AnyTable& table, std::size_t column) {
+  std::ptrdiff_t ahead = 0, rows = 0;
+  std::optional<double> before;
+  for (const AnyTable::Row& row : table.rows) {
+    const std::string_view cell = row.cells[column];
+    const std::optional<double> number = table.number(cell);
+    const std::optional<double> time = number ? number : time_of(cell, 1.0);
+    if (!time) continue;
+    ++rows;
+    if (before) ahead += *time > *before ? 1 : *time < *before ? -1 : 0;
+    before = time;
+  }
+  return rows == 0 ? 0.0 : static_cast<double>(ahead) / static_cast<double>(rows);
+}
+
+/// The first of several columns that advances at least half as often as any of them.
+std::optional<std::size_t> most_advancing(const AnyTable& table,
+                                          const std::vector<std::size_t>& columns) {
+  if (columns.empty()) return std::nullopt;
+  if (columns.size() == 1) return columns.front();
+  std::vector<double> advances;
+  for (const std::size_t column : columns) advances.push_back(advance(table, column));
+  const double half = 0.5 * std::max(0.0, std::ranges::max(advances));
+  const auto first = std::ranges::find_if(advances, [&](double each) { return each >= half; });
+  if (first == advances.end()) return columns.front();
+  return columns[static_cast<std::size_t>(first - advances.begin())];
+}
+
 }  // namespace
 
 std::string unit_of(const FoundColumn& column) {
@@ -198,6 +228,30 @@ std::optional<double> time_of(std::string_view cell, double unit_s) {
   plain.decimal_comma = true;
   if (const auto number = plain.number(cell)) return unit_s * *number;
   return date_seconds(cell);
+}
+
+std::optional<std::size_t> find_time(const AnyTable& table) {
+  // The best name first.
+  constexpr std::array<std::array<std::string_view, 4>, 3> kNames = {
+      {{"time", "timestamp", "t", "elapsed"},
+       {"timestamps", "seconds", "sec", "utc"},
+       {"frame", "sample", "frames", "index"}}};
+  for (const auto& names : kNames) {
+    std::vector<std::size_t> found;
+    for (std::size_t c = 0; c < table.columns.size(); ++c) {
+      const std::vector<std::string> words = words_of(table.columns[c].last);
+      const bool named = std::ranges::any_of(words, [&](const std::string& word) {
+        return std::ranges::find(names, word) != names.end();
+      });
+      // "time_frame" is a number of frames.
+      const bool frames =
+          &names != &kNames.back() && std::ranges::find(words, "frame") != words.end();
+      if (named && !frames && component_of(table.columns[c].name).quantity == Quantity::none)
+        found.push_back(c);
+    }
+    if (const auto best = most_advancing(table, found)) return best;
+  }
+  return std::nullopt;
 }
 
 TableTimes read_times(const AnyTable& table, std::size_t column, std::optional<double> told_unit_s,

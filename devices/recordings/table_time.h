@@ -21,6 +21,10 @@ std::string unit_of(const FoundColumn& column);
 /// One time in seconds: a number of units, or a date of ISO 8601.
 std::optional<double> time_of(std::string_view cell, double unit_s);
 
+/// The column of the time, by its name; of several, the first one that advances as a time does. The time
+/// since the row before does not.
+std::optional<std::size_t> find_time(const AnyTable& table);
+
 /// Reads the column of the time: numbers, or dates of ISO 8601.
 ///
 /// The unit is the told one, or the header's, or else the one of s, ms, us, ns and 100 ns in which rows

@@ -67,5 +67,44 @@ TEST(TableAngles, OfAPartWithAUnitAreInThatUnit) {
   EXPECT_NEAR(turn_of(track_of(read, "right hand")[0].value), 0.5, 1e-12);
 }
 
+// Angles before a quaternion of the same object were taken for three of its four columns.
+TEST(TableColumns, OfAnglesBesideAQuaternionAreNotMixedWithIt) {
+  const std::string text = rows(
+      "time,head_x,head_y,head_z,head_rot_x,head_rot_y,head_rot_z,head_qx,head_qy,head_qz,head_qw,"
+      "right_x,right_y,right_z,right_qx,right_qy,right_qz,right_qw",
+      [](int i) {
+        return fmt::format("{:.2f},0,1.6,0,0,-90,0,0,0.6,0,0.8,0.2,1,0,0,0,0,1", 0.01 * i);
+      });
+  const MotionTracks read = parse_motion_table(text, "t.csv", {});
+  ASSERT_EQ(track_of(read, "head").size(), 40u);
+  const Quat q = track_of(read, "head")[0].value.q;
+  EXPECT_NEAR(q.y(), 0.6, 1e-12);
+  EXPECT_NEAR(q.w(), 0.8, 1e-12);
+}
+
+const std::string kPoses =
+    "head_x,head_y,head_z,head_qw,head_qx,head_qy,head_qz,"
+    "right_x,right_y,right_z,right_qw,right_qx,right_qy,right_qz";
+const std::string kPose = "0,1.6,0,1,0,0,0,0.2,1,0,1,0,0,0";
+
+// The time since the row before was taken for the time, and most rows were not later than others.
+TEST(TableColumns, OfTheTimeIsTheOneThatAdvances) {
+  const auto last_of = [](const std::string& header, const std::function<std::string(int)>& cells) {
+    const std::string text =
+        rows(header + "," + kPoses, [&](int i) { return cells(i) + "," + kPose; });
+    return track_of(parse_motion_table(text, "t.csv", {}), "head").back().time;
+  };
+  const auto delta = [](int i) { return i % 2 == 0 ? "0.012" : "0.008"; };
+  EXPECT_EQ(last_of("delta_time,time_s",
+                    [&](int i) { return fmt::format("{},{:.2f}", delta(i), 0.01 * i); }),
+            Time{390'000});
+  EXPECT_EQ(last_of("time_s,delta_time",
+                    [&](int i) { return fmt::format("{:.2f},{}", 0.01 * i, delta(i)); }),
+            Time{390'000});
+  EXPECT_EQ(last_of("timestamp,elapsed_ms",  // a date to the second
+                    [](int i) { return fmt::format("2026-11-25 13:57:0{},{}", i / 20, 10 * i); }),
+            Time{390'000});
+}
+
 }  // namespace
 }  // namespace headpin::devices

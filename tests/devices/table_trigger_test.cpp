@@ -74,6 +74,42 @@ TEST(TableTrigger, MayBeWords) {
                                    "grab and release: ignored"));
 }
 
+// Of a grip and a trigger the first was taken, so a recorded release was not used.
+TEST(TableTrigger, OfSeveralColumnsIsTheOneThatIsPressedAndLetGo) {
+  const std::string poses =
+      "time,head_x,head_y,head_z,head_qw,head_qx,head_qy,head_qz,"
+      "right_x,right_y,right_z,right_qw,right_qx,right_qy,right_qz,";
+  const auto ms = [&](const std::string& names, const std::function<std::string(int)>& cells) {
+    return changes_ms(with_trigger(cells, poses + names + "\n"));
+  };
+  const auto pressed = [](int i) { return held(i) ? "1" : "0"; };
+  const auto early = [](int i) { return i > 2 && i < 5 ? "1" : "0"; };
+  const std::vector<std::pair<std::int64_t, bool>> wanted = {{100, true}, {300, false}};
+  const auto both = [](const auto& a, const auto& b) {
+    return [a, b](int i) { return std::string(a(i)) + "," + b(i); };
+  };
+  const auto never = [](int) { return "0"; };
+  EXPECT_EQ(ms("right_grip,right_trigger", both(never, pressed)), wanted);
+  EXPECT_EQ(ms("right_trigger,right_grip", both(never, pressed)), wanted);
+  EXPECT_EQ(ms("right_grip,right_trigger", both(early, pressed)), wanted);
+  EXPECT_EQ(ms("button,trigger", both(never, pressed)), wanted);
+  EXPECT_EQ(ms("button,trigger", both(pressed, never)), wanted);
+  EXPECT_EQ(ms("menu_button,trigger", both(early, pressed)), wanted);
+}
+
+TEST(TableTrigger, ThatIsNeverPressedAndLetGoIsNoted) {
+  const std::string note = "the trigger 'trigger' is never pressed and let go: not used";
+  EXPECT_THAT(with_trigger([](int) { return "0"; }).notes, Contains(note));
+  EXPECT_THAT(with_trigger([](int i) { return i > 20 ? "1" : "0"; }).notes, Contains(note));
+  EXPECT_THAT(with_trigger([](int i) { return held(i) ? "1" : "0"; }).notes,
+              testing::Not(Contains(note)));
+}
+
+TEST(TableTrigger, MayBePressedOrNotPressed) {
+  const auto tracks = with_trigger([](int i) { return held(i) ? "pressed" : "not pressed"; });
+  EXPECT_THAT(changes_ms(tracks), ElementsAre(std::pair(100, true), std::pair(300, false)));
+}
+
 // Rows of units as programs write them: in brackets, and with words that are no unit here.
 TEST(TableHeader, HasARowOfUnits) {
   const std::string names =

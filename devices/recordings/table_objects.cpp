@@ -1,0 +1,130 @@
+#include "devices/recordings/table_objects.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "devices/recordings/table_trigger.h"
+
+namespace headpin::devices {
+namespace {
+
+/// Matrices count from 0 or from 1: "m00" to "m23", or "r11" to "r33".
+void take_matrix(PartColumns& part, const std::map<std::size_t, std::size_t>& elements) {
+  const std::size_t from = elements.contains(0) ? 0 : 1;
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 4; ++column) {
+      const auto found = elements.find(10 * (row + from) + column + from);
+      if (found == elements.end()) continue;
+      if (column < 3) {
+        part.matrix[3 * row + column] = found->second;
+      } else if (!part.position[row]) {
+        part.position[row] = found->second;
+      }
+    }
+  }
+}
+
+template <std::size_t N>
+bool any(const std::array<std::optional<std::size_t>, N>& columns) {
+  return std::ranges::any_of(columns, [](const auto& c) { return c.has_value(); });
+}
+
+/// The set of a rotation's columns that is whole; else what all sets have together.
+std::array<std::optional<std::size_t>, 4> quaternion_in(const std::vector<RotationSet>& sets) {
+  std::array<std::optional<std::size_t>, 4> merged{};
+  for (const RotationSet& set : sets) {
+    if (whole(set.columns)) return set.columns;
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (!merged[i]) merged[i] = set.columns[i];
+    }
+  }
+  return merged;
+}
+
+/// The columns of a set, which is added if it is not there.
+std::array<std::optional<std::size_t>, 4>& columns_of(std::vector<RotationSet>& sets,
+                                                      const std::string& name) {
+  const auto found = std::ranges::find(sets, name, &RotationSet::name);
+  return (found == sets.end() ? sets.emplace_back(RotationSet{.name = name}) : *found).columns;
+}
+
+/// "head rot" of "head_rot_x" and "head q" of "head_qx": the name without its letter.
+std::string set_of(const std::string& name) {
+  std::vector<std::string> words = words_of(name);
+  while (words.size() > 1 && is_one_of(words.back(), {"deg", "rad", "degrees"})) words.pop_back();
+  if (!words.empty()) words.back().pop_back();
+  return fmt::format("{}", fmt::join(words, " "));
+}
+
+}  // namespace
+
+void put(Object& object, const Component& component, std::size_t column, const std::string& name) {
+  PartColumns& part = object.columns;
+  const auto set = [&](std::optional<std::size_t>& place) {
+    if (!place) place = column;
+  };
+  switch (component.quantity) {
+    case Quantity::position:
+      set(part.position[component.index]);
+      break;
+    case Quantity::quaternion:
+      set(columns_of(object.rotations, set_of(name))[component.index]);
+      break;
+    case Quantity::angle:
+      set(part.angles[component.index]);
+      break;
+    case Quantity::matrix:
+      object.elements.emplace(component.index, column);
+      break;
+    case Quantity::trigger:
+      set(part.trigger);
+      break;
+    case Quantity::none:
+      break;
+  }
+}
+
+void finish(Object& object) {
+  PartColumns& part = object.columns;
+  part.quaternion = quaternion_in(object.rotations);
+  if (!object.elements.empty()) take_matrix(part, object.elements);
+  // Three numbers called a rotation, without a fourth, are angles.
+  if (!part.quaternion[0] && part.quaternion[1] && !any(part.angles)) {
+    part.angles = {part.quaternion[1], part.quaternion[2], part.quaternion[3]};
+    part.quaternion = {};
+  }
+  part.rotation = whole(part.quaternion) ? RotationKind::quaternion
+                  : whole(part.angles)   ? RotationKind::angles
+                  : whole(part.matrix)   ? RotationKind::matrix
+                                         : RotationKind::none;
+}
+
+std::optional<std::string> starred(std::string_view name, std::string_view pattern) {
+  const std::size_t star = pattern.find('*');
+  const std::string_view begin = pattern.substr(0, star), end = pattern.substr(star + 1);
+  if (name.size() < begin.size() + end.size() || !name.starts_with(begin) || !name.ends_with(end))
+    return std::nullopt;
+  return std::string(name.substr(begin.size(), name.size() - begin.size() - end.size()));
+}
+
+Objects objects_of(const AnyTable& table, std::string_view pattern) {
+  Objects objects;
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    const std::optional<std::string> rest = starred(table.columns[c].name, pattern);
+    if (!rest) continue;
+    const Component component = component_of(*rest);
+    if (component.quantity == Quantity::none) continue;
+    auto object =
+        std::ranges::find(objects, component.object, &std::pair<std::string, Object>::first);
+    if (object == objects.end()) object = objects.insert(objects.end(), {component.object, {}});
+    std::optional<std::size_t>& trigger = object->second.columns.trigger;
+    if (component.quantity == Quantity::trigger && trigger) {
+      trigger = better_trigger(table, *trigger, c);
+    }
+    put(object->second, component, c, table.columns[c].name);
+  }
+  for (auto& [name, object] : objects) finish(object);
+  return objects;
+}
+
+}  // namespace headpin::devices
