@@ -1,5 +1,7 @@
 #include "devices/emulated/lcm_feed.h"
 
+#include "devices/log/sample_messages.h"
+
 namespace headpin::devices {
 
 LcmFeed::LcmFeed(const std::string& url) : lcm_(*open_device("lcm:" + url, clocks_, {})) {
@@ -20,7 +22,7 @@ std::vector<std::string> LcmFeed::poll(Time now) {
     const auto& tracker = std::get<TrackerSample>(sample);
     if (tracker.station < 1 || tracker.station > kFastrakStations) continue;
     newest_[static_cast<std::size_t>(tracker.station - 1)] = {
-        tracker.X_TS, (tracker.buttons & 1) != 0, tracker.status};
+        tracker.X_TS, (tracker.buttons & 1) != 0, status_letter(tracker)};
   }
   return faults_.take(lcm_.source->status(now).faults, now);
 }

@@ -239,6 +239,23 @@ TEST(LcmFeedTest, StationsRestUntilTheirSamplesCome) {
   EXPECT_EQ(feed.at(1).X_TS.p, still_motion(1, {}).X_TS.p);
 }
 
+// A publisher that sets no status leaves 0. It was sent as the error byte of a record.
+TEST(LcmFeedTest, AStatusThatIsNoLetterIsAnError) {
+  const std::filesystem::path log = fresh_folder("feed") / "status.log";
+  {
+    LcmLink link("file://" + log.string() + "?mode=w");
+    TrackerSample sample;
+    sample.device_time = Time{1'000'000};
+    sample.station = kHandStation;
+    sample.status = '\0';
+    link.publish(Sample(sample));
+  }
+  LcmFeed feed("file://" + log.string() + "?speed=0");
+  for (Time now{}; now < kSecond; now += kTick) feed.poll(now);
+  EXPECT_EQ(feed.at(kHandStation).error, 'x');
+  EXPECT_EQ(feed.at(1).error, ' ');
+}
+
 TEST(LcmFeedTest, TellsWhatItCannotUse) {
   const std::filesystem::path log = fresh_folder("feed") / "odd.log";
   {
