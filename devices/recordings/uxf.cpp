@@ -34,6 +34,7 @@ PoseTrack parse_uxf(std::string_view text, std::string_view where,
     return rotation(std::numbers::pi / 180.0 * degrees * axis);
   };
   PoseTrack track;
+  std::size_t again = 0;
   while (table.next()) {
     const auto value = [&](std::size_t i) { return table.number(at[i]); };
     const double time = value(0);
@@ -44,10 +45,18 @@ PoseTrack parse_uxf(std::string_view text, std::string_view where,
     // The reversal of z reverses rotations about x and y.
     const Quat q = turn(Vec3::UnitY(), -value(5)) * turn(Vec3::UnitX(), -value(4)) *
                    turn(Vec3::UnitZ(), value(6));
-    if (!track.push(microseconds(time), {q.normalized(), Vec3(value(1), value(2), -value(3))})) {
+    if (track.push(microseconds(time), {q.normalized(), Vec3(value(1), value(2), -value(3))})) {
+      continue;
+    }
+    if (microseconds(time) < track.samples().back().time) {
       table.fail(fmt::format("time: time must advance, found {:.6g} s after {:.6g} s", time,
                              seconds(track.samples().back().time)));
     }
+    ++again;
+  }
+  if (again > 0) {
+    notes.push_back(
+        fmt::format("{}: {} samples are at the time of the one before: left out", where, again));
   }
   return track;
 }

@@ -58,8 +58,20 @@ TEST(MotionFiles, ABadTrackerFileIsRefusedByItsLine) {
   EXPECT_THAT(said(head + "0,1,2,3,4,5\n"), HasSubstr("x.csv:2: expected 7 fields, found 6"));
   EXPECT_THAT(said(head + "0,1,2,3,4,5,nan\n"), HasSubstr("rot_z: expected a finite number"));
   EXPECT_THAT(said(head + "0,1,2,3,4,5,1e300\n"), HasSubstr("rot_z: expected degrees"));
-  EXPECT_THAT(said(head + "1,1,2,3,4,5,6\n1,1,2,3,4,5,6\n"), HasSubstr("time must advance"));
+  EXPECT_THAT(said(head + "1,1,2,3,4,5,6\n0.9,1,2,3,4,5,6\n"), HasSubstr("time must advance"));
   EXPECT_EQ(said(head + "0,1,2,3,4,5,6,\n"), "");  // an empty last cell
+}
+
+// Unity writes a frame twice now and then.
+TEST(MotionFiles, ATrackersSampleAtTheTimeOfTheOneBeforeIsLeftOut) {
+  std::vector<std::string> notes;
+  const PoseTrack track = parse_uxf(
+      "time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z\n1,1,2,3,4,5,6\n1,9,2,3,4,5,6\n2,1,2,3,4,5,6\n",
+      "x.csv", notes);
+  ASSERT_EQ(track.samples().size(), 2u);
+  EXPECT_EQ(track.samples()[0].value.p.x(), 1.0);
+  EXPECT_THAT(notes,
+              testing::ElementsAre("x.csv: 1 samples are at the time of the one before: left out"));
 }
 
 // A file that was cut still reads as numbers: 12.5 as 12.
