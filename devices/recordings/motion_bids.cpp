@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "devices/recordings/column_names.h"
 #include "devices/recordings/reading.h"
 #include "devices/recordings/text_table.h"
 
@@ -34,6 +35,7 @@ struct Point {
            (all(quaternion, column.end()) || all(angle.begin(), angle.end()));
   }
   bool has_quaternion() const { return column[3].has_value(); }
+  bool has_angles() const { return angle[0].has_value(); }
 };
 
 struct Columns {
@@ -186,17 +188,17 @@ class Rows {
  public:
   Rows(std::string_view motion, const Columns& columns, std::string_view where,
        const BidsFrame& frame)
-      : table_(motion, where, '\t'), columns_(columns), turned_(frame.axes, where), frame_(frame) {
+      : table_(motion, where, '\t'),
+        where_(where),
+        columns_(columns),
+        turned_(frame.axes, where),
+        frame_(frame) {
     table_.set_names(columns.names);
     for (const auto& [name, point] : columns.points) {
-      if (!point.whole()) {
-        throw std::invalid_argument(fmt::format(
-            "{}: tracked point {}: expected x, y, z and a whole quaternion, or three angles", where,
-            name));
-      }
       if (!point.has_quaternion() && !order_) order_.emplace(frame, where);
       read_.tracks.push_back({name, {}});
     }
+    unturned_.resize(columns.points.size());
   }
 
   MotionTracks read() {
@@ -205,7 +207,8 @@ class Rows {
       read_.reading.unit_m = point.unit_m;
       if (point.has_quaternion()) read_.reading.quaternion = "wxyz";
     }
-    for (std::int64_t row = 0; table_.next(); ++row) {
+    std::int64_t row = 0;
+    for (; table_.next(); ++row) {
       const std::optional<double> time =
           columns_.latency ? number(*columns_.latency) : static_cast<double>(row) / frame_.rate_hz;
       if (time && std::abs(*time) > 1e9) {
@@ -213,6 +216,7 @@ class Rows {
       }
       for (std::size_t i = 0; i < read_.tracks.size(); ++i) take(i, time);
     }
+    tell_unturned(row);
     const auto note = [&](std::int64_t count, const char* what) {
       if (count > 0) read_.notes.push_back(fmt::format("{} samples {}: left out", count, what));
     };
@@ -248,17 +252,37 @@ class Rows {
     const auto qw = value(3), qx = value(4), qy = value(5), qz = value(6);
     if (!qw || !qx || !qy || !qz) return std::nullopt;
     pose.q = Quat(*qw, *qx, *qy, *qz);
-    if (!(std::abs(pose.q.norm() - 1.0) < 1e-3)) {
-      table_.fail(fmt::format("{}: expected a unit quaternion, found one of length {:.6g}",
-                              columns_.points[i].first, pose.q.norm()));
-    }
     return pose;
+  }
+
+  /// Notes the samples without a rotation; refuses a point of which most are.
+  void tell_unturned(std::int64_t rows) {
+    for (std::size_t i = 0; i < unturned_.size(); ++i) {
+      const auto& [count, line, length] = unturned_[i];
+      if (count == 0) continue;
+      const std::string& name = read_.tracks[i].first;
+      if (2 * count > rows) {
+        throw std::invalid_argument(fmt::format(
+            "{}:{}: {}: expected a unit quaternion, found one of length {:.6g}; {} of {} rows have "
+            "none",
+            where_, line, name, length, count, rows));
+      }
+      read_.notes.push_back(
+          fmt::format("{} samples of {} have no unit quaternion (the first, in line {}, one of "
+                      "length {:.6g}): left out",
+                      count, name, line, length));
+    }
   }
 
   void take(std::size_t i, std::optional<double> time) {
     const std::optional<Pose> pose = time ? pose_of(i) : std::nullopt;
     if (!pose) {
       ++unknown_;
+      return;
+    }
+    if (const double length = pose->q.norm(); !(std::abs(length - 1.0) < 1e-3)) {
+      Unturned& its = unturned_[i];
+      if (its.count++ == 0) its = {.count = 1, .line = table_.line(), .length = length};
       return;
     }
     PoseTrack& track = read_.tracks[i].second;
@@ -270,13 +294,22 @@ class Rows {
     ++again_;
   }
 
+  /// Samples of a point without a unit quaternion: how many, and the first of them.
+  struct Unturned {
+    std::int64_t count = 0;
+    std::size_t line = 0;
+    double length = 0.0;
+  };
+
   TextTable table_;
+  std::string_view where_;
   const Columns& columns_;
   Axes turned_;
   const BidsFrame& frame_;
   std::optional<EulerOrder> order_;
   MotionTracks read_;
   std::int64_t unknown_ = 0, again_ = 0;  ///< samples that are left out
+  std::vector<Unturned> unturned_;        ///< of each point
 };
 
 }  // namespace
@@ -296,13 +329,49 @@ BidsFrame only_frame(const std::vector<BidsFrame>& described, std::string_view w
   return described.front();
 }
 
+/// Whether a point without a whole place and rotation is one that a recording needs: one that the user
+/// names; else a head or a hand, where no other point is one.
+bool is_needed(const std::string& name, const Columns& columns,
+               const std::array<std::string, 3>& names) {
+  const auto is_told = [&](const std::string& told) {
+    return !told.empty() && (name == told || name.ends_with(":" + told));
+  };
+  if (std::ranges::any_of(names, [](const std::string& told) { return !told.empty(); })) {
+    return std::ranges::any_of(names, is_told);
+  }
+  const std::optional<std::size_t> part = part_of_name(name);
+  if (!part) return false;
+  return std::ranges::none_of(columns.points, [&](const auto& other) {
+    const std::optional<std::size_t> its = part_of_name(other.first);
+    return other.second.whole() && its && (*its == 0) == (*part == 0);
+  });
+}
+
+/// Leaves out the points without a whole place and rotation. @return notes of them
+/// @throws std::invalid_argument  for one that is needed
+std::vector<std::string> leave_out_parts(Columns& columns, std::string_view where,
+                                         const std::array<std::string, 3>& names) {
+  std::vector<std::string> notes;
+  for (const auto& [name, point] : columns.points) {
+    if (point.whole()) continue;
+    const std::string expected = fmt::format(
+        "tracked point {}: expected x, y, z and a whole quaternion, or three angles", name);
+    if (is_needed(name, columns, names)) {
+      throw std::invalid_argument(fmt::format("{}: {}", where, expected));
+    }
+    notes.push_back(expected + ": left out");
+  }
+  std::erase_if(columns.points, [](const auto& point) { return !point.second.whole(); });
+  return notes;
+}
+
 }  // namespace
 
 BidsFrame bids_frame(std::string_view channels, std::string_view levels, std::string_view where,
                      const std::string& axes) {
   const Columns columns = read_columns(channels, where);
   const bool angles = std::ranges::any_of(
-      columns.points, [](const auto& point) { return !point.second.has_quaternion(); });
+      columns.points, [](const auto& point) { return point.second.has_angles(); });
   std::vector<BidsFrame> described = frames_of_levels(levels);
   for (BidsFrame& frame : described) {
     if (!axes.empty()) frame.axes = axes;
@@ -349,17 +418,21 @@ BidsFrame bids_frame(std::string_view channels, std::string_view levels, std::st
 }
 
 MotionTracks parse_motion_bids(std::string_view motion, std::string_view channels,
-                               std::string_view where, const BidsFrame& frame) {
+                               std::string_view where, const BidsFrame& frame,
+                               const std::array<std::string, 3>& names) {
   Columns columns = read_columns(channels, where);
   std::erase_if(columns.points, [&](const auto& point) {
     return std::ranges::find(frame.others, point.first) != frame.others.end();
   });
+  const std::vector<std::string> notes = leave_out_parts(columns, where, names);
   Rows rows(motion, columns, where, frame);
   if (!columns.latency && !(frame.rate_hz > 0.0 && frame.rate_hz < 1e6)) {
     throw std::invalid_argument(
         fmt::format("{}: no times: expected a LATENCY channel, or SamplingFrequency", where));
   }
-  return rows.read();
+  MotionTracks read = rows.read();
+  read.notes.insert(read.notes.end(), notes.begin(), notes.end());
+  return read;
 }
 
 }  // namespace headpin::devices

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -36,12 +37,17 @@ struct BidsFrame {
 BidsFrame bids_frame(std::string_view channels, std::string_view levels, std::string_view where,
                      const std::string& axes = {});
 
-/// The tracked points of a Motion-BIDS recording, in our frame. Samples with n/a in them, and those
-/// at the time of the one before, are left out.
+/// The tracked points of a Motion-BIDS recording, in our frame. Samples with n/a in them, those without a
+/// unit quaternion, and those at the time of the one before are left out, with notes. So are points without
+/// a whole place and rotation, but for those that are needed.
 ///
 /// @param motion    the ..._motion.tsv, numbers only
 /// @param channels  the ..._channels.tsv that names its columns
+/// @param names     of head and hands, as MotionOptions has them
+/// @throws std::invalid_argument  naming the file, and the line if there is one: no times, what is no number,
+///                                most rows of a point without a rotation, a head or hand that is not whole
 MotionTracks parse_motion_bids(std::string_view motion, std::string_view channels,
-                               std::string_view where, const BidsFrame& frame);
+                               std::string_view where, const BidsFrame& frame,
+                               const std::array<std::string, 3>& names = {});
 
 }  // namespace headpin::devices

@@ -179,7 +179,7 @@ MotionTracks read_motion_bids(const std::string& path, const MotionOptions& opti
       about["SamplingFrequency"].is_number()) {
     frame.rate_hz = about["SamplingFrequency"].get<double>();
   }
-  return parse_motion_bids(text_of(path), channels, path, frame);
+  return parse_motion_bids(text_of(path), channels, path, frame, options.names);
 }
 
 // VRPN.

@@ -30,6 +30,8 @@ class TextTable {
   bool next();
 
   const std::vector<std::string>& names() const { return names_; }
+  /// The line of the row, from 1.
+  std::size_t line() const { return line_; }
   /// The index of the first column of this name; the number of columns if there is none.
   std::size_t column(std::string_view name) const;
   std::string_view text(std::size_t column) const { return cells_[column]; }

@@ -161,5 +161,51 @@ TEST(MotionBids, AFileIsReadInTheFrameThatItsChannelsName) {
               HasSubstr("expected SpatialAxes of reference frame 'room' in"));
 }
 
+/// Channels of head and right hand with quaternions, and of a ball with a place alone.
+std::string channels_with_a_ball() {
+  std::string text = kBidsHeader + "\nt\tn/a\tLATENCY\tn/a\ts\n";
+  for (const std::string point : {"head", "right_hand", "ball"}) {
+    for (const std::string axis : {"x", "y", "z"})
+      text += point + axis + "\t" + axis + "\tPOS\t" + point + "\tm\n";
+    if (point == "ball") continue;
+    for (const std::string axis : {"w", "x", "y", "z"})
+      text += point + "q" + axis + "\tquat_" + axis + "\tORNT\t" + point + "\tn/a\n";
+  }
+  return text;
+}
+
+/// A row at a time [s] whose hand has this w in its quaternion.
+std::string row_of(const std::string& time, const std::string& w) {
+  return time + "\t0\t1.6\t0\t1\t0\t0\t0\t0.2\t1\t0\t" + w + "\t0\t0\t0\t5\t5\t5\n";
+}
+
+// A ball's marker has no rotation, which refused the file.
+TEST(MotionBids, APointThatIsNoHeadOrHandNeedsNoRotation) {
+  const std::string rows = row_of("0", "1") + row_of("0.01", "1");
+  const MotionTracks read = parse_motion_bids(rows, channels_with_a_ball(), "x", {.axes = "RSP"});
+  ASSERT_EQ(read.tracks.size(), 2u);
+  EXPECT_EQ(read.tracks[1].second.samples().size(), 2u);
+  EXPECT_THAT(
+      read.notes,
+      testing::ElementsAre("tracked point ball: expected x, y, z and a whole quaternion, or three "
+                           "angles: left out"));
+  EXPECT_THAT(
+      complaint([&] {
+        parse_motion_bids(rows, channels_with_a_ball(), "x", {.axes = "RSP"}, {"head", "", "ball"});
+      }),
+      HasSubstr("x: tracked point ball: expected x, y, z and a whole quaternion"));
+}
+
+TEST(MotionBids, AFewSamplesWithoutAUnitQuaternionAreLeftOut) {
+  const std::string good = row_of("0", "1") + row_of("0.01", "1");
+  const MotionTracks read =
+      parse_motion_bids(good + row_of("0.02", "0"), channels_with_a_ball(), "x", {.axes = "RSP"});
+  EXPECT_EQ(read.tracks[0].second.samples().size(), 3u);
+  EXPECT_EQ(read.tracks[1].second.samples().size(), 2u);
+  EXPECT_THAT(read.notes, testing::Contains(
+                              "1 samples of right_hand have no unit quaternion (the first, in line "
+                              "3, one of length 0): left out"));
+}
+
 }  // namespace
 }  // namespace headpin::devices
