@@ -110,12 +110,14 @@ void take_trackers(const CsvTable& table, TablesTrial& trial) {
     s.host_time = row.time("host_time_s", Time{});
     s.sequence = row.whole("sequence", next_sequence[s.station]);
     next_sequence[s.station] = s.sequence + 1;
-    if (const std::string* frame = row.find("frame"); frame && *frame != "T") {
+    // R and spreadsheets write T as TRUE, and nothing as NA.
+    if (const std::string* frame = row.find("frame");
+        frame && *frame != "T" && *frame != "TRUE" && *frame != "True" && *frame != "NA") {
       row.fail("frame", "T, the transmitter's");
     }
     s.X_TS = {rotation_at(row, lengthened),
               {row.number("x_m"), row.number("y_m"), row.number("z_m")}};
-    if (const std::string* status = row.find("status")) {
+    if (const std::string* status = row.find("status"); status && *status != "NA") {
       if (status->size() != 1) row.fail("status", "one letter, or nothing");
       s.status = status->front();
     }

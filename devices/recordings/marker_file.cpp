@@ -51,6 +51,15 @@ std::string_view word_in(const std::vector<std::string_view>& cells, double unit
   return word == cells.end() ? std::string_view{} : *word;
 }
 
+/// What a line says: that of its first cell with such a word, as a cell behind it may be a remark.
+std::optional<bool> pressed_in(std::string_view line, const std::vector<std::string_view>& cells) {
+  if (line.find_first_of(";\t,") == std::string_view::npos) return pressed_by(words_of(line));
+  for (const std::string_view cell : cells) {
+    if (const auto pressed = pressed_by(words_of(cell))) return pressed;
+  }
+  return std::nullopt;
+}
+
 MarkerLines read_lines(std::string_view text, std::string_view where, double unit_s) {
   MarkerLines read;
   std::optional<std::size_t> column;
@@ -65,7 +74,7 @@ MarkerLines read_lines(std::string_view text, std::string_view where, double uni
       column = time_column(cells);
       if (column) continue;
     }
-    const std::optional<bool> pressed = pressed_by(words_of(line));
+    const std::optional<bool> pressed = pressed_in(line, cells);
     if (!pressed) {
       const std::string_view word = word_in(cells, unit_s);
       if (!word.empty()) read.others.push_back({word, number});

@@ -69,6 +69,28 @@ TEST_F(TablesAgain, MayHaveFewerColumnsInAnotherOrder) {
             json("replay --json " + kTrial)["game_hash"]);
 }
 
+// R reads the frame T as a truth, and a blank status as none.
+TEST_F(TablesAgain, MayComeFromR) {
+  std::vector<std::string> all;
+  for (const std::string& line : lines("trackers.csv")) {
+    const bool names = line.find("device_time_s") != std::string::npos;
+    std::string out;
+    std::istringstream row(line), header(lines("trackers.csv")[0]);
+    for (std::string cell, name; std::getline(header, name, ',');) {
+      std::getline(row, cell, ',');
+      if (!names && name == "frame") cell = "TRUE";
+      if (!names && name == "status") cell = "NA";
+      out += (out.empty() ? "" : ",") + cell;
+      cell.clear();
+    }
+    all.push_back(out);
+  }
+  put("trackers.csv", all);
+  ASSERT_EQ(headpin("import tables -o again.lcmlog").code, 0);
+  EXPECT_EQ(json("replay --json again.lcmlog")["game_hash"],
+            json("replay --json " + kTrial)["game_hash"]);
+}
+
 // A hand twice as far from its first place throws a faster ball.
 TEST_F(TablesAgain, ThatWereChangedAreAnotherThrow) {
   std::vector<std::string> all = lines("trackers.csv");

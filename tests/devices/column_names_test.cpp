@@ -141,6 +141,11 @@ TEST(Markers, AreGrabsAndReleasesInOrder) {
     EXPECT_EQ(timed.at(0).time, Time{1'222'000}) << before;
     EXPECT_EQ(timed.at(1).time, Time{3'960'000}) << before;
   }
+  // A remark behind the event says nothing of it.
+  const auto remarked = read("1.3,grab,throw 1\n3.9,release,hold 1\n");
+  EXPECT_TRUE(remarked.at(0).value);
+  EXPECT_EQ(remarked.at(1).time, Time{3'900'000});
+  EXPECT_EQ(read("1.3 pressed\n3.9 not pressed\n").at(1).time, Time{3'900'000});
   EXPECT_THAT(complaint([&] { read("grab,release\n"); }), HasSubstr("m.csv:1: expected a time"));
 }
 
