@@ -14,6 +14,8 @@ struct Fit {
   bool converged = false;  ///< else an estimate goes to infinity: separation
 };
 
+/// Columns that are a sum of multiples of earlier ones are left out, as R's glm does: their estimate is 0.
+///
 /// @param x  one row per observation, one column per term
 /// @param y  successes of `n`
 Fit fit_binomial(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, double n);

@@ -57,6 +57,35 @@ TEST(Fit, SeparationIsSaidAndItsDevianceStaysRight) {
   EXPECT_NEAR(fit.deviance, rest.deviance, 1e-5);  // the separated ones are fitted without error
 }
 
+// R's glm leaves such a column out; 0 of it is one of the many ways to write the same fit.
+TEST(Fit, LeavesColumnsOutThatAreSumsOfEarlierOnes) {
+  Random random(11);
+  Eigen::MatrixXd x(30, 5);
+  Eigen::VectorXd y(30);
+  for (Eigen::Index i = 0; i < x.rows(); ++i) {
+    const bool first = random.next() % 2 == 0;
+    x.row(i) << 1.0, 0.1 * random.normal(), first, !first, random.normal();
+    y[i] = static_cast<double>(random.next() % 7);
+  }
+  const Fit fit = fit_binomial(x, y, 6);
+  Eigen::MatrixXd rest(30, 4);
+  rest << x.leftCols(3), x.rightCols(1);
+  const Fit without = fit_binomial(rest, y, 6);
+  ASSERT_TRUE(fit.converged);
+  EXPECT_EQ(fit.deviance, without.deviance);
+  EXPECT_EQ(fit.estimates[3], 0.0);
+  EXPECT_EQ(fit.estimates[4], without.estimates[3]);
+}
+
+// As many independent columns as people, or more: every count is fitted without error.
+TEST(Fit, OfFewPeopleIsAsGoodAsItsColumnsAllow) {
+  Eigen::MatrixXd x(3, 5);
+  x << 1, 0, 0, 2, 1,  //
+      0, 1, 0, 5, 0,   //
+      0, 1, 0, 1, 1;
+  EXPECT_NEAR(fit_binomial(x, Eigen::Vector3d(2, 0, 6), 6).deviance, 0.0, 1e-5);
+}
+
 // More people find more; where a term has no effect, one in twenty is chance. Of 80 studies that is 4
 // with a deviation of 2.
 TEST(Power, GrowsWithPeopleAndIsChanceWithoutAnEffect) {
@@ -87,6 +116,26 @@ TEST(Power, IsThereForADesignOfOneTerm) {
   const Power power = power_of(design, bundled_questions(), 36, 20, 1, [] {});
   ASSERT_EQ(power.terms.size(), 1u);
   EXPECT_GT(power.terms[0].found, 0.95);
+}
+
+// Everybody has exactly one of the three changes, so a constant adds nothing to them, and without one
+// of them the constant says the same.
+TEST(Power, OfATermDoesNotDependOnTermsThatSayNothingNew) {
+  const Design design = bundled_design();
+  Design more = design;
+  more.terms.insert(more.terms.begin(), Term{});
+  more.terms[0].name = "const";
+  more.terms[0].estimate = 0.0;
+  const auto of = [](const Design& one) {
+    return power_of(one, bundled_questions(), 18, 40, 1, [] {});
+  };
+  const Power power = of(design), same = of(more);
+  ASSERT_EQ(same.terms.size(), 11u);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(same.terms[i].found, 0.0) << same.terms[i].term;
+  for (std::size_t i = 3; i < 10; ++i) {
+    EXPECT_EQ(same.terms[i + 1].found, power.terms[i].found) << power.terms[i].term;
+  }
+  EXPECT_EQ(same.separated, power.separated);
 }
 
 // One number of people makes no line; its points are seen all the same.
