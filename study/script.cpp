@@ -52,8 +52,14 @@ estimate <- wide(coef(fit))
 se <- errors(fit)
 z <- estimate / se
 bias_reduced <- bias_reduced_se <- rep(NA, ncol(x))
-# Where an estimate has no end, it goes on growing with every step of the fit: separation.
-at_step <- function(steps) wide(coef(fit_of(x, epsilon = 1e-16, maxit = steps)))
+# Where an estimate has no end, it goes on growing with every step of the fit: separation. Terms that are
+# NA are left out: with so small an epsilon, glm does not notice that they say nothing new.
+at_step <- function(steps) {
+  values <- estimate
+  known <- !is.na(estimate)
+  values[known] <- coef(fit_of(x[, known, drop = FALSE], epsilon = 1e-16, maxit = steps))
+  values
+}
 endless <- colnames(x)[which(abs(at_step(60) - at_step(15)) > 0.5)]
 separated <- if (length(endless) > 0) "yes" else "no"
 if (requireNamespace("brglm2", quietly = TRUE)) {
@@ -97,14 +103,16 @@ table_5 <- data.frame(
 
 # How well it fits.
 pearson <- sum(residuals(fit, "pearson")^2)
-upper <- function(deviance) pchisq(deviance, df.residual(fit), lower.tail = FALSE)
+# Without a degree of freedom, a fit has no error, and there is no p.
+upper <- function(deviance, df) if (df > 0) pchisq(deviance, df, lower.tail = FALSE) else NA
+df <- df.residual(fit)
 quality <- data.frame(
   quantity = c("participants", "coefficients", "deviance", "degrees_of_freedom", "p", "null_deviance",
                "pearson_over_df", "converged", "separated", "published_deviance", "published_p",
                "r_version", "brglm2_version"),
-  value = c(nrow(p), sum(!is.na(estimate)), deviance(fit), df.residual(fit), upper(deviance(fit)),
-            fit$null.deviance, pearson / df.residual(fit), if (fit$converged) "yes" else "no",
-            separated, published_deviance, pchisq(published_deviance, @PUBLISHED_DF@, lower.tail = FALSE),
+  value = c(nrow(p), sum(!is.na(estimate)), deviance(fit), df, upper(deviance(fit), df),
+            fit$null.deviance, if (df > 0) pearson / df else NA, if (fit$converged) "yes" else "no",
+            separated, published_deviance, upper(published_deviance, @PUBLISHED_DF@),
             as.character(getRversion()),
             if (requireNamespace("brglm2", quietly = TRUE))
               as.character(packageVersion("brglm2")) else NA), virtual)
@@ -178,11 +186,17 @@ invisible(picture("scores", 7, 4.5, function() {
 }))
 )R";
 
+/// The text without line breaks and other control characters, which would end a comment.
+std::string on_one_line(std::string text) {
+  for (char& c : text) c = static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  return text;
+}
+
 std::string in_quotes(const std::string& text) {
   std::string quoted = "\"";
-  for (const char c : text) {
+  for (const char c : on_one_line(text)) {
     if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c == '\n' ? ' ' : c;
+    quoted += c;
   }
   return quoted + "\"";
 }
@@ -217,7 +231,7 @@ std::string r_script(const Design& design) {
       "# The analysis of a study by the design {}. `headpin experiment analyse` runs what stands "
       "here, however\n# it was changed; by hand, in the study's folder: Rscript model.R "
       "tables/participants.csv analysis\n",
-      design.name);
+      on_one_line(design.name));
   std::string rest = kScript;
   fill(rest, "@TERMS@", terms);
   fill(rest, "@ESTIMATES@", numbers(design, &Term::estimate));

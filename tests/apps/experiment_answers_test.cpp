@@ -409,6 +409,41 @@ TEST_F(StudyAnswers, ThatSeparateAreSaidToAndHaveBiasReducedEstimates) {
   }
 }
 
+// Everybody has exactly one of the three changes, so beside a constant one of them says nothing new. The
+// estimates of the others are finite all the same.
+TEST_F(StudyAnswers, WithATermThatSaysNothingNewHaveFiniteEstimates) {
+  if (!has_r()) GTEST_SKIP() << "Rscript is not installed: the model is not fitted";
+  std::string text = slurp(HEADPIN_SOURCE_DIR "/assets/designs/uno-slater-1997.toml");
+  text.insert(text.find("[[term]]"), "[[term]]\nname = 'const'\nestimate = 0.0\n\n");
+  spit(folder_ / "const.toml", text);
+  plan(100, " --design const.toml");
+  ASSERT_EQ(headpin("experiment ask study --all --virtual").code, 0);
+  ASSERT_EQ(headpin("experiment score study").code, 0);
+  EXPECT_EQ(json("experiment analyse study --json")["endless_terms"], nlohmann::json::array());
+  const Rows rows = table("study/analysis/table-6.csv");
+  ASSERT_EQ(rows.size(), 11u);
+  for (const auto& row : rows) {
+    EXPECT_EQ(row.at("endless"), "no") << row.at("term");
+    EXPECT_EQ(row.at("estimate") == "n/a", row.at("term") == "change(3)") << row.at("term");
+  }
+  EXPECT_EQ(table("study/analysis/fit.csv").at(1).at("value"), "10");  // coefficients
+}
+
+// One participant, and more terms: the fit is exact, and there is no p that could speak against it.
+TEST_F(StudyAnswers, ThatAreFittedExactlyHaveNoPValue) {
+  if (!has_r()) GTEST_SKIP() << "Rscript is not installed: the model is not fitted";
+  plan(1);
+  ASSERT_EQ(headpin("experiment ask study --all --virtual").code, 0);
+  ASSERT_EQ(headpin("experiment score study").code, 0);
+  ASSERT_EQ(headpin("experiment analyse study").code, 0);
+  std::map<std::string, std::string> fit;
+  for (auto& row : table("study/analysis/fit.csv")) fit[row["quantity"]] = row["value"];
+  EXPECT_EQ(fit["degrees_of_freedom"], "0");
+  EXPECT_EQ(fit["p"], "n/a");
+  EXPECT_EQ(fit["pearson_over_df"], "n/a");
+  EXPECT_NE(fit["published_p"], "n/a");
+}
+
 TEST_F(StudyAnswers, PowerIsATableOfSharesAndTheSameForTheSameSeed) {
   const std::string line = "experiment power --people 18,36 --studies 20 --seed 3 ";
   const nlohmann::json power = json(line + "--json -o power.csv");
