@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <toml++/toml.h>
 
 #include "scene/scenario/toml_reading.h"
@@ -169,6 +170,34 @@ void read_random(const toml::table& random, const std::string& where, Design& de
   for (auto& [place, range] : found) design.drawn.push_back(std::move(range));
 }
 
+/// The keys of a scenario that a key with the name of an option sets; none for other keys.
+std::vector<std::string> set_by(const std::string& key) {
+  if (key == "elasticity" || key == "friction") {
+    std::vector<std::string> keys;
+    for (const char* object : {"skittle", "ball", "lane", "wall"}) {
+      keys.push_back(fmt::format("material.{}.{}", object, key));
+    }
+    return keys;
+  }
+  for (const char* option : {"shape", "response", "detection", "iterations"}) {
+    if (key == option) return {"collision." + key};
+  }
+  return {};
+}
+
+/// Keys of a scenario go before those of options. So an option of which they leave nothing would stand in
+/// the tables with values that no row has.
+void require_effects(const std::set<std::string>& keys, const std::string& where) {
+  for (const std::string& key : keys) {
+    const std::vector<std::string> set = set_by(key);
+    const auto is_given = [&](const std::string& one) { return keys.contains(one); };
+    if (set.empty() || !std::ranges::all_of(set, is_given)) continue;
+    throw std::invalid_argument(
+        fmt::format("{}: '{}' sets {}, which {} a key of this design too; expected one of them",
+                    where, key, fmt::join(set, ", "), set.size() == 1 ? "is" : "are each"));
+  }
+}
+
 void require_different_keys(const Design& design, const std::string& where) {
   std::set<std::string> keys;
   const auto add = [&](const std::string& key, int line) {
@@ -179,6 +208,7 @@ void require_different_keys(const Design& design, const std::string& where) {
   };
   for (const Axis& axis : design.grid) add(axis.key, axis.line);
   for (const Range& range : design.drawn) add(range.key, range.line);
+  require_effects(keys, where);
 }
 
 }  // namespace

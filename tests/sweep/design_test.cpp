@@ -57,6 +57,34 @@ TEST(SweepDesign, AKeyIsOfTheTrialsBytesTheKeysAndTheValuesInAnyOrder) {
   for (const std::string& key : others) EXPECT_FALSE(keys.contains(key));
 }
 
+// The scenario's key would win, and the column of the option would have values that no row has.
+TEST(SweepDesign, AnOptionThatHasNoEffectBesideOtherKeysIsRefused) {
+  const auto says = [](const std::string& text) -> std::string {
+    try {
+      of(text);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(says("[grid]\nshape = ['true']\ncollision.shape = ['ellipsoid', 'true']\n"),
+            "sweep.toml: 'shape' sets collision.shape, which is a key of this design too; expected "
+            "one of them");
+  for (const std::string key : {"response", "detection", "iterations"}) {
+    EXPECT_THAT(says(fmt::format("[grid]\n{0} = [1]\ncollision.{0} = [1]\n", key)),
+                HasSubstr("'" + key + "' sets collision." + key));
+  }
+  EXPECT_THAT(
+      says("[grid]\niterations = [1]\n[random]\ncollision.iterations = {from = 1, to = 9}\n"),
+      HasSubstr("'iterations' sets collision.iterations"));
+  const std::string some =
+      "[grid]\nfriction = [0, 1]\n[grid.material]\nskittle.friction = [0.5]\nball.friction = [0.5]\n"
+      "lane.friction = [0.5]\n";
+  EXPECT_EQ(says(some), "accepted");  // it is that of the walls
+  EXPECT_THAT(says(some + "wall.friction = [0.5]\n"),
+              HasSubstr("'friction' sets material.skittle.friction, material.ball.friction"));
+}
+
 // McKay, Beckman and Conover (1979): each of the n parts of each range is drawn from once.
 TEST(SweepDesign, ALatinHypercubeDrawsEachPartOfEachRangeOnce) {
   const Rows rows(of("[random]\ndraws = 200\nball.mass = {from = 4, to = 8}\nfriction = {from = "
