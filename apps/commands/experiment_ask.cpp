@@ -99,18 +99,32 @@ void take_forms(const Study& study, const AskOptions& options) {
   fmt::print("{}: forms of {} participants, {} new answers\n", options.from, forms.size(), added);
 }
 
-/// Draws the missing answers of participants whose session no person has played.
+/// What a participant has of a person, who is then no virtual participant: a session that the person began,
+/// or an answer that was not drawn; empty if there is none.
+std::string of_a_person(const Study& study, const std::string& id) {
+  const std::vector<Run> runs = runs_of(study, id);
+  if (const Run* const run = of_person(runs)) return run->path.string() + " is a person's";
+  for (const study::Answer& answer : answers_of(study, id)) {
+    if (answer.source == study::kDrawn) continue;
+    return fmt::format("{} has an answer of a person: {}, {}", study.at.answers(id).string(),
+                       answer.item, answer.source);
+  }
+  return "";
+}
+
+/// Draws the missing answers of participants of whom no person has played or answered anything.
 void draw(const Study& study, const AskOptions& options) {
   std::size_t added = 0;
-  int people = 0;
+  int people = 0, left_out = 0;
   for (const study::PlannedParticipant& one : study.plan) {
     if (!options.all && one.id != options.participant) continue;
-    const std::vector<Run> runs = runs_of(study, one.id);
-    const Run* const person = of_person(runs);
-    if (person && options.all) continue;
-    if (person) {
-      throw UsageError(fmt::format("{} is no virtual participant: {} is a person's", one.id,
-                                   person->path.string()));
+    const std::string person = of_a_person(study, one.id);
+    if (!person.empty() && !options.all) {
+      throw UsageError(fmt::format("{} is no virtual participant: {}", one.id, person));
+    }
+    if (!person.empty()) {
+      ++left_out;
+      continue;
     }
     check_stop();
     try {
@@ -122,6 +136,10 @@ void draw(const Study& study, const AskOptions& options) {
       throw UsageError(error.what());
     }
     ++people;
+  }
+  if (left_out > 0) {
+    fmt::print(stderr, "{} {} left out: a person has played or answered\n", left_out,
+               left_out == 1 ? "participant is" : "participants are");
   }
   if (options.json) return print_json({{"participants", people}, {"new_answers", added}});
   fmt::print("{} virtual participants, {} answers drawn from the model of '{}'\n", people, added,

@@ -276,6 +276,24 @@ TEST_F(Experiment, ASessionOfAPersonThatWasCutOffIsLeftToThePerson) {
   EXPECT_EQ(json("experiment ask a --all --virtual --json")["participants"], 1);
 }
 
+// A form on paper may be typed in before the session is played.
+TEST_F(Experiment, AnswersOfAPersonAreNotMixedWithDrawnOnes) {
+  plan_short("a", 3);
+  std::ofstream(folder_ / "f.csv") << "participant,sick\np002,3\n";
+  ASSERT_EQ(headpin("experiment ask a --from f.csv").code, 0);
+  const std::string form = slurp(folder_ / "a/answers/p002.csv");
+  const Result all = headpin("experiment ask a --all --virtual --json");
+  ASSERT_EQ(all.code, 0) << all.err;
+  EXPECT_EQ(nlohmann::json::parse(all.out)["participants"], 2);
+  EXPECT_THAT(all.err, HasSubstr("1 participant is left out: a person has played or answered\n"));
+  EXPECT_EQ(slurp(folder_ / "a/answers/p002.csv"), form);
+  expect_refusal("experiment ask a --participant p002 --virtual", 2,
+                 "p002 is no virtual participant: a/answers/p002.csv has an answer of a person: "
+                 "sick, form");
+  // Who has drawn answers alone is virtual, and gets the missing ones.
+  EXPECT_EQ(json("experiment ask a --participant p001 --virtual --json")["new_answers"], 0);
+}
+
 TEST_F(Experiment, ARecordingThatHasNotBegunBlocksNothing) {
   ASSERT_EQ(headpin("experiment plan -o a --people 1").code, 0);
   fs::create_directories(folder_ / "a/sessions/p001");
