@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -99,17 +100,36 @@ void take_forms(const Study& study, const AskOptions& options) {
   fmt::print("{}: forms of {} participants, {} new answers\n", options.from, forms.size(), added);
 }
 
-/// What a participant has of a person, who is then no virtual participant: a session that the person began,
-/// or an answer that was not drawn; empty if there is none.
-std::string of_a_person(const Study& study, const std::string& id) {
-  const std::vector<Run> runs = runs_of(study, id);
-  if (const Run* const run = of_person(runs)) return run->path.string() + " is a person's";
-  for (const study::Answer& answer : answers_of(study, id)) {
-    if (answer.source == study::kDrawn) continue;
-    return fmt::format("{} has an answer of a person: {}, {}", study.at.answers(id).string(),
-                       answer.item, answer.source);
+/// The first answer that a person gave; null if there is none.
+const study::Answer* given_by_person(const study::Answers& answers) {
+  const auto found = std::ranges::find_if(
+      answers, [](const study::Answer& answer) { return answer.source != study::kDrawn; });
+  return found == answers.end() ? nullptr : &*found;
+}
+
+/// Draws the missing answers of one participant.
+/// @param of_a_person  gets what a person has played or answered, instead of any answer drawn
+/// @return  number of new answers
+std::size_t draw_one(const Study& study, const study::PlannedParticipant& one,
+                     std::string& of_a_person) {
+  const std::vector<Run> runs = runs_of(study, one.id);
+  if (const Run* const run = of_person(runs)) {
+    of_a_person = run->path.string() + " is a person's";
+    return 0;
   }
-  return "";
+  AnswerFile file(study, one.id);
+  if (const study::Answer* const answer = given_by_person(file.answers)) {
+    of_a_person = fmt::format("{} has an answer of a person: {}, {}",
+                              study.at.answers(one.id).string(), answer->item, answer->source);
+    return 0;
+  }
+  try {
+    return file.add_all(
+        study::draw_answers(study.design, study.questions, study.design.seed.value_or(1), one),
+        "the model");
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
 }
 
 /// Draws the missing answers of participants of whom no person has played or answered anything.
@@ -118,28 +138,21 @@ void draw(const Study& study, const AskOptions& options) {
   int people = 0, left_out = 0;
   for (const study::PlannedParticipant& one : study.plan) {
     if (!options.all && one.id != options.participant) continue;
-    const std::string person = of_a_person(study, one.id);
-    if (!person.empty() && !options.all) {
-      throw UsageError(fmt::format("{} is no virtual participant: {}", one.id, person));
-    }
-    if (!person.empty()) {
-      ++left_out;
+    check_stop();
+    std::string of_a_person;
+    added += draw_one(study, one, of_a_person);
+    if (of_a_person.empty()) {
+      ++people;
       continue;
     }
-    check_stop();
-    try {
-      added += AnswerFile(study, one.id)
-                   .add_all(study::draw_answers(study.design, study.questions,
-                                                study.design.seed.value_or(1), one),
-                            "the model");
-    } catch (const std::invalid_argument& error) {
-      throw UsageError(error.what());
+    if (!options.all) {
+      throw UsageError(fmt::format("{} is no virtual participant: {}", one.id, of_a_person));
     }
-    ++people;
+    ++left_out;
   }
   if (left_out > 0) {
-    fmt::print(stderr, "{} {} left out: a person has played or answered\n", left_out,
-               left_out == 1 ? "participant is" : "participants are");
+    say("{} {} left out: a person has played or answered\n", left_out,
+        left_out == 1 ? "participant is" : "participants are");
   }
   if (options.json) return print_json({{"participants", people}, {"new_answers", added}});
   fmt::print("{} virtual participants, {} answers drawn from the model of '{}'\n", people, added,
