@@ -1,4 +1,7 @@
+#include <algorithm>
+#include <iterator>
 #include <memory>
+#include <set>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -14,6 +17,7 @@
 #include "base/input_file.h"
 #include "base/left_parts.h"
 #include "base/output_file.h"
+#include "base/shell_word.h"
 #include "base/temporary.h"
 #include "study/csv.h"
 #include "study/paper_tables.h"
@@ -60,6 +64,21 @@ std::string whom(const study::CsvTable& people, const Mixing& mixing) {
                     virtuals, counted));
   }
   return "all";
+}
+
+/// Says so if the table has other participants than the plan has by now.
+void compare_with_plan(const Study& study, const study::CsvTable& people) {
+  std::set<std::string> in_plan, in_table;
+  for (const study::PlannedParticipant& one : study.plan) in_plan.insert(one.id);
+  for (const study::CsvRow& row : people.rows) in_table.insert(people.cell(row, "participant"));
+  std::vector<std::string> others;
+  std::ranges::set_symmetric_difference(in_plan, in_table, std::back_inserter(others));
+  if (others.empty()) return;
+  say("{}: expected the participants of {}, found others ({} is only in {}); `headpin experiment "
+      "score {}` writes it again\n",
+      people.where, study.at.plan().string(), study::shown(others[0]),
+      in_plan.contains(others[0]) ? "the plan" : "the table",
+      base::typed_word(study.at.root.string()));
 }
 
 /// Writes the study's script if it does not exist. A user may change it later.
@@ -172,7 +191,9 @@ void analyse(const AnalyseOptions& options) {
                     people.string(), study.at.root.string()));
   }
   const std::string table = read_study_file(people);
-  const std::string who = whom(study::parse_csv(table, people.string()), options.mixing);
+  const study::CsvTable rows = study::parse_csv(table, people.string());
+  compare_with_plan(study, rows);
+  const std::string who = whom(rows, options.mixing);
   const fs::path script = study.at.root / "model.R";
   const StudyLock lock(study.at.questionnaire(), "analysing this study");
   bool changed = false;

@@ -71,7 +71,10 @@ fs::file_time_type newest_of(const fs::path& folder) {
 std::string next_step(const Study& study) {
   const fs::path& root = study.at.root;
   const auto tables = newest_of(root / "tables");
-  if (tables < newest_of(root / "answers") || tables < newest_of(root / "sessions")) return "score";
+  const auto sources = {newest_of(root / "answers"), newest_of(root / "sessions"),
+                        fs::last_write_time(study.at.plan()),
+                        fs::last_write_time(study.at.questionnaire())};
+  if (tables < std::max(sources)) return "score";
   return newest_of(root / "analysis") < tables ? "analyse" : "";
 }
 

@@ -1,5 +1,6 @@
 // A study as a laboratory meets it: a folder that commands fill.
 
+#include <chrono>
 #include <csignal>
 #include <map>
 #include <set>
@@ -292,6 +293,29 @@ TEST_F(Experiment, AnswersOfAPersonAreNotMixedWithDrawnOnes) {
                  "sick, form");
   // Who has drawn answers alone is virtual, and gets the missing ones.
   EXPECT_EQ(json("experiment ask a --participant p001 --virtual --json")["new_answers"], 0);
+}
+
+TEST_F(Experiment, TablesAreOldWhenPlanOrQuestionnaireHaveChanged) {
+  plan_short("a", 1);
+  ASSERT_EQ(headpin("experiment run a --all --virtual").code, 0);
+  ASSERT_EQ(headpin("experiment ask a --all --virtual").code, 0);
+  ASSERT_EQ(headpin("experiment score a").code, 0);
+  const auto next = [&] { return json("experiment status a --json")["next"]; };
+  EXPECT_EQ(next(), "headpin experiment analyse a");
+  for (const char* name : {"plan.csv", "questionnaire.toml"}) {
+    const fs::path path = folder_ / "a" / name;
+    const auto before = fs::last_write_time(path);
+    fs::last_write_time(path, fs::file_time_type::clock::now() + std::chrono::hours(1));
+    EXPECT_EQ(next(), "headpin experiment score a") << name;
+    fs::last_write_time(path, before);
+  }
+  const std::string says =
+      "a/tables/participants.csv: expected the participants of a/plan.csv, "
+      "found others (p002 is only in the plan)";
+  EXPECT_THAT(headpin("experiment analyse a").err,
+              testing::Not(HasSubstr("expected the participants")));
+  ASSERT_EQ(headpin("experiment plan -o a --people 2").code, 0);
+  EXPECT_THAT(headpin("experiment analyse a").err, HasSubstr(says));
 }
 
 TEST_F(Experiment, ARecordingThatHasNotBegunBlocksNothing) {
