@@ -252,7 +252,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
      "samples and states whose time disagrees with the log, unlike that of their neighbours"},
     {"miss_room",
      "boards around that of the release over which the throw is a success in its own direction; null "
-     "if it is none, or if one board was simulated"},
+     "if it is none, if the grid does not have its direction and board, or if one board was simulated"},
     {"missed", "records that did not arrive complete"},
     {"missing", "what a throw needs and was not found in the table"},
     {"moments", "number of simulated moments of the release"},

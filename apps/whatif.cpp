@@ -201,7 +201,8 @@ std::string in_words(const sweep::MissRoom& room) {
 }
 
 std::string in_words(const sweep::MissRooms& rooms) {
-  std::string words = rooms.own ? in_words(*rooms.own) + " in the direction of the throw" : "none";
+  std::string words = rooms.in_grid ? "none" : "not in the grid";
+  if (rooms.own) words = in_words(*rooms.own) + " in the direction of the throw";
   if (!rooms.widest || rooms.widest == rooms.own) return words;
   const double turned = rooms.widest->direction_deg;
   return words + fmt::format("; widest {}{}", in_words(*rooms.widest),
@@ -211,18 +212,31 @@ std::string in_words(const sweep::MissRooms& rooms) {
                                                std::abs(turned), turned < 0.0 ? "left" : "right"));
 }
 
+/// The names of the trials: of their files, or as they are given where files have one name.
+std::vector<std::string> names_of(const std::vector<std::string>& trials) {
+  const auto file = [](const std::string& path) {
+    return std::filesystem::path(path).filename().string();
+  };
+  std::vector<std::string> names;
+  for (const std::string& trial : trials) {
+    const auto same = std::ranges::count(trials, file(trial), file);
+    names.push_back(same == 1 ? file(trial) : trial);
+  }
+  return names;
+}
+
 }  // namespace
 
 sweep::WhatIf ask_what_if(const WhatIfQuestion& question, std::string_view command) {
   sweep::WhatIf whatif;
   whatif.grid = grid_of(question);
   ThrowsOfTrial throws;
+  const std::vector<std::string> names = names_of(question.trials);
   for (std::size_t t = 0; t < question.trials.size(); ++t) {
     ThrowsOfTrial of_trial = throws_of(question.trials[t], question, command);
-    const std::string name = std::filesystem::path(question.trials[t]).filename().string();
     for (const auto& [number, situation] : of_trial.all) {
       const scene::ThrowRow& thrown = situation.thrown;
-      whatif.own.push_back({name, number, thrown, sweep::execution_of(thrown)});
+      whatif.own.push_back({names[t], number, thrown, sweep::execution_of(thrown)});
     }
     if (t == 0) throws = std::move(of_trial);
   }

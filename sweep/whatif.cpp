@@ -168,6 +168,10 @@ std::vector<MissRoom> runs_of(const ReleaseGrid& grid, std::span<const Outcome> 
 MissRooms miss_rooms(const ReleaseGrid& grid, std::span<const Outcome> outcomes,
                      std::int64_t success) {
   MissRooms rooms;
+  const auto has_zero = [](const std::vector<double>& axis) {
+    return std::ranges::find(axis, 0.0) != axis.end();
+  };
+  rooms.in_grid = has_zero(grid.direction_deg) && has_zero(grid.boards);
   std::array<std::size_t, 7> places = grid.unchanged();
   for (std::size_t d = 0; d < grid.direction_deg.size(); ++d) {
     places[ReleaseGrid::kDirectionAxis] = d;

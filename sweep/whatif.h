@@ -82,6 +82,7 @@ struct MissRoom {
 struct MissRooms {
   std::optional<MissRoom> own;     ///< of the direction of the throw, around its board
   std::optional<MissRoom> widest;  ///< of all directions; of equal ones, the one nearest to its own
+  bool in_grid = true;             ///< the grid has the direction and the board of the throw
 };
 
 /// @param success  so many skittles down are a success

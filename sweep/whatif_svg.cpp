@@ -258,6 +258,19 @@ class Maps {
           "<circle cx='{:.1f}' cy='{:.1f}' r='3.5' fill='none' stroke='#000'/>\n",
           left + kPlot * x, top + kPlot * (1.0 - y), left + kPlot * x, top + kPlot * (1.0 - y));
     }
+    return svg + real_throw(left, top);
+  }
+
+  /// Whether a value is on an axis: in one of its cells, or the only value itself.
+  static bool is_on(const std::vector<double>& axis, double value) {
+    if (axis.size() == 1) return axis.front() == value;
+    return place(axis, value) >= 0.0 && place(axis, value) <= 1.0;
+  }
+
+  /// A cross at the release as it was, where the map has that place.
+  std::string real_throw(double left, double top) const {
+    if (!is_on(right_, 0.0) || !is_on(up_, axes_.unchanged)) return "";
+    std::string svg;
     const double x = left + kPlot * place(right_, 0.0);
     const double y = top + kPlot * (1.0 - place(up_, axes_.unchanged));
     for (const auto& [stroke, wide] : {std::pair("#fff", 4.0), {kReal, 2.0}}) {

@@ -143,6 +143,45 @@ TEST_F(WhatIfCommand, SeveralBoardsTellTheRoomToMiss) {
   expect_refusal("whatif '" + kDemo + "' -o OUT --board 40", 2, "--board: expected FROM:TO:STEPS");
 }
 
+TEST_F(WhatIfCommand, AGridWithoutTheThrowItselfIsNotTakenForIt) {
+  const auto of = [&](const std::string& axes) {
+    fs::remove_all(folder_ / "w");
+    return headpin("whatif '" + kDemo + "' -o w --within 0 --height 0 --spin 0" + axes);
+  };
+  const auto has_cross = [&](const std::string& name) {
+    return slurp(folder_ / "w" / name).find("stroke='#d03020'") != std::string::npos;
+  };
+  const Result away = of(" --speed 1 --direction 0 --board 1:2:2");
+  ASSERT_EQ(away.code, 0) << away.err;
+  EXPECT_THAT(away.out, HasSubstr("\nmiss room         not in the grid"));
+  EXPECT_FALSE(has_cross("boards.svg"));
+  EXPECT_TRUE(has_cross("map.svg"));
+  for (const char* axes : {" --speed 1 --direction 1", " --speed 0.8 --direction 0",
+                           " --speed 1 --direction 3:9:3", " --speed 1.5:2:3 --direction 0"}) {
+    ASSERT_EQ(of(axes).code, 0);
+    EXPECT_FALSE(has_cross("map.svg")) << axes;
+  }
+  ASSERT_EQ(of(" --speed 0.9:1.1:2 --direction -1:1:3").code, 0);
+  EXPECT_TRUE(has_cross("map.svg"));  // between two cells
+}
+
+// Sessions of a study all have a run-01.
+TEST_F(WhatIfCommand, TrialsWithOneNameAreToldApart) {
+  for (const char* folder : {"a", "b"}) {
+    fs::create_directory(folder_ / folder);
+    fs::copy_file(kDemo, folder_ / folder / "run-01.lcmlog");
+  }
+  fs::copy_file(kDemo, folder_ / "other.lcmlog");
+  const Result result =
+      headpin("whatif a/run-01.lcmlog b/run-01.lcmlog other.lcmlog -o w --within 0" + kOne);
+  ASSERT_EQ(result.code, 0) << result.err;
+  auto throws = csv_rows(slurp(folder_ / "w/throws.csv"));
+  ASSERT_EQ(throws.size(), 3u);
+  EXPECT_EQ(throws[0]["trial"], "a/run-01.lcmlog");
+  EXPECT_EQ(throws[1]["trial"], "b/run-01.lcmlog");
+  EXPECT_EQ(throws[2]["trial"], "other.lcmlog");
+}
+
 TEST_F(WhatIfCommand, RefusesWhatCannotBe) {
   const std::string demo = "whatif '" + kDemo + "' -o OUT ";
   expect_refusal(demo + "--throw 2", 2, "--throw: expected a throw of");

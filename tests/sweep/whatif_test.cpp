@@ -330,6 +330,13 @@ TEST(WhatIf, TheMissRoomIsTheRunOfBoardsAroundTheThrow) {
   EXPECT_EQ(failed.widest->direction_deg, 0.0);
   EXPECT_EQ(failed.widest->to, -1.0);
   EXPECT_FALSE(rooms({}).widest);
+  EXPECT_TRUE(failed.in_grid);
+  // The throw's own board is none of these, so they do not say that the throw fails.
+  grid.boards = {1, 2, 3, 4, 5};
+  EXPECT_FALSE(rooms({{{9, 9, 9, 9, 9}, {10, 10, 10, 9, 9}, {9, 9, 9, 9, 9}}}).in_grid);
+  grid.boards = {-2, -1, 0, 1, 2};
+  grid.direction_deg = {1, 2, 3};
+  EXPECT_FALSE(rooms({}).in_grid);
 }
 
 TEST(WhatIf, BoardRevsAndRotationChangeTheReleaseByWhatTheySay) {
