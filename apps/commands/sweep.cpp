@@ -1,5 +1,6 @@
 #include "apps/sweep.h"
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -15,6 +16,8 @@
 #include "base/shell_word.h"
 
 namespace headpin::apps {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -71,9 +74,23 @@ struct MergeOptions {
   bool partial = false, force = false, json = false;
 };
 
+/// Refuses an output that is part of the sweep itself.
+void require_outside(const sweep::SweepFolder& at, const std::string& output) {
+  const fs::path path = fs::weakly_canonical(output), root = fs::weakly_canonical(at.root);
+  const fs::path inside = path.lexically_relative(root);
+  const std::string first = inside.empty() ? "" : inside.begin()->string();
+  const bool is_folder = first == at.pieces().filename() || first == at.trials().filename();
+  const bool is_file = inside == at.rows().filename() || inside == at.design().filename();
+  if (!is_folder && !is_file) return;
+  throw UsageError(
+      fmt::format("--output: {} is part of the sweep; expected another file, such as {}", output,
+                  (at.root / "results.csv").string()));
+}
+
 void merge(const MergeOptions& options) {
   watch_stop_signals();
   const sweep::Sweep sweep = open_planned(options.sweep);
+  require_outside(sweep.at, *options.output);
   base::OutputFile file(*options.output, {.overwrite = options.force, .standard_output = true});
   file.write(sweep.columns.data(), sweep.columns.size());
   SweepProgress progress{.rows = sweep.rows.size()};

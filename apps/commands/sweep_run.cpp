@@ -33,6 +33,8 @@ struct Shard {
   std::int64_t rest = 0, of = 1;
 };
 
+constexpr std::int64_t kMostShards = 1'000'000'000;  // numbers of pieces stay far below an overflow
+
 /// "3/8" is the third of eight.
 Shard parse_shard(const std::string& text) {
   if (text.empty()) return {};
@@ -40,9 +42,12 @@ Shard parse_shard(const std::string& text) {
   const char* const end = text.data() + text.size();
   const char* const slash = text.data() + std::min(text.find('/'), text.size());
   const bool good = slash != end && std::from_chars(text.data(), slash, k).ptr == slash &&
-                    std::from_chars(slash + 1, end, n).ptr == end && 1 <= k && k <= n;
+                    std::from_chars(slash + 1, end, n).ptr == end && 1 <= k && k <= n &&
+                    n <= kMostShards;
   if (!good) {
-    throw UsageError(fmt::format("--shard: expected K/N with K from 1 to N, found '{}'", text));
+    throw UsageError(
+        fmt::format("--shard: expected K/N with K from 1 to N, and N at most {}, found '{}'",
+                    kMostShards, text));
   }
   return {k - 1, n};
 }

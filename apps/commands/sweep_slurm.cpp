@@ -87,8 +87,9 @@ void write_slurm(const SlurmOptions& options) {
       array_script(folder, program, tasks, static_cast<std::int64_t>(std::ceil(minutes)));
   base::write_text({array.string(), how}, run);
   base::write_text({merge.string(), how}, merge_script(folder, program));
-  const std::string submit = fmt::format("sbatch --dependency=afterok:$(sbatch --parsable {}) {}",
-                                         array.string(), merge.string());
+  const std::string submit =
+      fmt::format("sbatch --dependency=afterok:$(sbatch --parsable {}) {}",
+                  base::typed_word(array.string()), base::typed_word(merge.string()));
   if (options.json) {
     return print_json({{"array", array.string()},
                        {"merge", merge.string()},

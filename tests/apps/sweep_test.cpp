@@ -283,5 +283,42 @@ TEST_F(SweepCommands, TheScriptsForSlurmRunEveryPart) {
   expect_refusal("sweep slurm cluster --tasks 500 --force", 2, "--tasks: expected at most");
 }
 
+// The line is typed into a shell as it is printed.
+TEST_F(SweepCommands, TheLineThatSubmitsIsOneForAShell) {
+  const std::string typed = "\"it's_(a)_\\$x\"", there = "it's_(a)_$x";
+  plan(typed);
+  const std::string submit = json("sweep slurm " + typed + " --minutes 7 --json")["submit"];
+  spit(folder_ / "sbatch", "#!/bin/sh\nfor word; do printf '%s\\n' \"$word\" >>said.txt; done\n");
+  fs::permissions(folder_ / "sbatch", fs::perms::owner_all);
+  spit(folder_ / "submit.sh", "PATH=.:$PATH\n" + submit + "\n");
+  ASSERT_EQ(std::system(("cd '" + folder_.string() + "' && sh submit.sh").c_str()), 0);
+  const std::string said = slurp(folder_ / "said.txt");
+  EXPECT_THAT(said, HasSubstr("/" + there + "/sweep.sbatch\n"));
+  EXPECT_THAT(said, HasSubstr("/" + there + "/merge.sbatch\n"));
+}
+
+TEST_F(SweepCommands, AShardIsOneOfANumberThatCanBe) {
+  plan("s");
+  for (const char* shard : {"2/9223372036854775807", "1/1000000001", "0/1", "3/2", "1"}) {
+    expect_refusal(std::string("sweep run s --shard ") + shard, 2,
+                   "--shard: expected K/N with K from 1 to N, and N at most 1000000000");
+  }
+  EXPECT_EQ(json("sweep run s --shard 1000000000/1000000000 --json")["simulated"], 0);
+}
+
+TEST_F(SweepCommands, AMergeDoesNotReplaceThePartsOfItsSweep) {
+  plan("s");
+  ASSERT_EQ(headpin("sweep run s").code, 0);
+  const std::string rows = slurp(folder_ / "s/rows.csv");
+  fs::create_directory_symlink("s", folder_ / "link");
+  for (const char* part : {"s/rows.csv", "s/sweep.toml", "s/pieces/0.csv", "s/trials/x.csv",
+                           "./s/../s/rows.csv", "link/rows.csv"}) {
+    expect_refusal(std::string("sweep merge s --force -o ") + part, 2, "is part of the sweep");
+  }
+  EXPECT_EQ(slurp(folder_ / "s/rows.csv"), rows);
+  EXPECT_EQ(headpin("sweep merge s -o s/results.csv").code, 0);
+  EXPECT_EQ(headpin("sweep merge s -o -").code, 0);
+}
+
 }  // namespace
 }  // namespace headpin
