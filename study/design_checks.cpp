@@ -53,6 +53,18 @@ void check_columns(const Design& design, const Questionnaire& questions, const s
   }
 }
 
+/// Refuses published answers without an answer where a term needs one.
+void check_published(const Design& design, const PublishedAnswers& one, const Item& item,
+                     const std::string& where) {
+  const bool is_used = std::ranges::find(design.terms, item.id, &Term::of) != design.terms.end();
+  for (const auto& [answer, count] : one.counts) {
+    require_answer(item, answer, where, one.counts_line, "a name in published.counts");
+    if (!is_used || count == 0 || answer != kNoAnswer) continue;
+    refuse_name(where, one.counts_line, "a name in published.counts",
+                fmt::format("an answer of item '{}', because a term uses it", item.id), answer);
+  }
+}
+
 }  // namespace
 
 void check_items(const Design& design, const Questionnaire& questions, const std::string& where) {
@@ -77,9 +89,7 @@ void check_items(const Design& design, const Questionnaire& questions, const std
   for (const PublishedAnswers& one : design.published) {
     const Item& item =
         require_item(questions, one.item, "", where, one.item_line, "published.item");
-    for (const auto& [answer, count] : one.counts) {
-      require_answer(item, answer, where, one.counts_line, "a name in published.counts");
-    }
+    check_published(design, one, item, where);
   }
   if (!design.terms.empty() && questions.scored() == 0) {
     throw std::invalid_argument(

@@ -148,7 +148,13 @@ Answers draw_answers(const Design& design, const Questionnaire& questions, std::
     answers.push_back({item.id, answer, kDrawn});
   }
   const auto values = values_of(design, participant.allotted, answers);
-  const double probability = published_probability(design, values.value());
+  if (!values) {  // of a study that was planned before check_items() refused this
+    throw std::invalid_argument(
+        fmt::format("design '{}': published.counts has n/a for an item that a term uses; expected "
+                    "answers only",
+                    design.name));
+  }
+  const double probability = published_probability(design, *values);
   for (const Item& item : questions.items) {
     if (!item.counts_from) continue;
     Random random(seed, kGiven + number_of(item.id), name);

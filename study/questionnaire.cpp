@@ -41,6 +41,13 @@ std::string read_id(TomlFields& fields, const std::string& key) {
   return id;
 }
 
+/// What is taken for this choice when it is typed: its id, or its text in any language.
+std::set<std::string> words_of(const Choice& choice) {
+  std::set<std::string> words = {lower(choice.id)};
+  for (const auto& [language, text] : choice.text) words.insert(lower(text));
+  return words;
+}
+
 std::vector<Choice> read_choices(TomlFields& fields, const Questionnaire& questions) {
   std::vector<Choice> choices;
   for (TomlFields& one : fields.tables("answer")) {
@@ -48,6 +55,13 @@ std::vector<Choice> read_choices(TomlFields& fields, const Questionnaire& questi
     one.finish();
     for (const Choice& other : choices) {
       if (other.id == choice.id) one.refuse("id", "another one than before");
+      const std::set<std::string> taken = words_of(other);
+      for (const std::string& words : words_of(choice)) {
+        if (!taken.contains(words)) continue;
+        one.fail("text", fmt::format("must differ from id and texts of the answer '{}'; both have "
+                                     "'{}', in small or capital letters",
+                                     other.id, shown(words)));
+      }
     }
     choices.push_back(choice);
   }

@@ -270,6 +270,23 @@ TEST(Designs, HaveItemsThatTablesCanHave) {
   other = design;
   other.terms.push_back(term("before", "vrbefore"));
   EXPECT_THAT(says(other), HasSubstr("term.of must be with `is`"));
+  // A virtual participant without the answer would have no value of the term.
+  other = design;
+  const auto sick = std::ranges::find(other.published, "sick", &PublishedAnswers::item);
+  sick->counts.emplace_back("n/a", 1);
+  EXPECT_THAT(says(other), HasSubstr("a name in published.counts must be an answer of item 'sick', "
+                                     "because a term uses it, found 'n/a'"));
+  EXPECT_THAT(
+      complaint([&] {
+        for (int i = 0; i < 40; ++i) {
+          draw_answers(other, bundled_questions(), 1, {std::to_string(i), i, allot(other, 1, i)});
+        }
+      }),
+      HasSubstr("published.counts has n/a for an item that a term uses"));
+  other = design;
+  std::ranges::find(other.published, "occupation", &PublishedAnswers::item)
+      ->counts.emplace_back("n/a", 1);
+  EXPECT_EQ(says(other), "");
 }
 
 // A level that is 1 where another is 0; of others, an answer is not asked for.
@@ -323,6 +340,27 @@ TEST(Questionnaires, WhatIsWrongIsSaidWithFileAndLine) {
               HasSubstr("unknown key 'item.low_and'; the nearest is item.low_end"));
   EXPECT_THAT(says("id = 'noticed'", "id = 'noticed'\nlow = 1"),
               HasSubstr("unknown key 'item.low'; known here: answer, id, text"));
+}
+
+// The answer that is typed would be taken for the first of the two.
+TEST(Questionnaires, HaveChoicesThatNobodyTakesForOneAnother) {
+  const auto says = [](const std::string& first, const std::string& second) {
+    const std::string begin =
+        "name = 'q'\nlanguages = ['en', 'de']\n[[item]]\nid = 'a'\ntext = {en = 'A', de = 'A'}\n";
+    return complaint([&] {
+      parse_questionnaire(begin + "[[item.answer]]\n" + first + "\n[[item.answer]]\n" + second,
+                          "q.toml");
+    });
+  };
+  const std::string low = "id = 'low'\ntext = {en = 'less', de = 'weniger'}";
+  EXPECT_EQ(says(low, "id = 'high'\ntext = {en = 'more', de = 'mehr'}"), "");
+  EXPECT_EQ(says(low, "id = 'high'\ntext = {en = 'Low', de = 'mehr'}"),
+            "q.toml:11: item.answer.text must differ from id and texts of the answer 'low'; both "
+            "have 'low', in small or capital letters");
+  EXPECT_THAT(says(low, "id = 'less'\ntext = {en = 'more', de = 'mehr'}"),
+              HasSubstr("both have 'less'"));
+  EXPECT_THAT(says(low, "id = 'high'\ntext = {en = 'weniger', de = 'mehr'}"),
+              HasSubstr("both have 'weniger'"));
 }
 
 // Appendix A has six questions, answered from 1 to 7, of which 6 and 7 count.
