@@ -36,10 +36,19 @@ std::string brief(std::string text) {
   return text + " ...";
 }
 
+/// Whether the command that is run has the option.
+bool has_option(const CLI::App& app, const std::string& option) {
+  const std::vector<CLI::App*> commands = app.get_subcommands();  // those that were typed
+  if (!commands.empty()) return has_option(*commands.front(), option);
+  return app.get_option_no_throw(option) != nullptr;
+}
+
 /// What went wrong, and the option with which it would not.
-std::string with_option(const std::exception& error) {
+std::string with_option(const CLI::App& app, const std::exception& error) {
   const std::string what = error.what();
-  if (dynamic_cast<const base::Exists*>(&error)) return what + "; --force replaces it";
+  if (dynamic_cast<const base::Exists*>(&error)) {
+    return what + (has_option(app, "--force") ? "; --force replaces it" : "");
+  }
   if (dynamic_cast<const scene::LongGap*>(&error)) return what + "; --longest-gap accepts more";
   return what;
 }
@@ -75,7 +84,7 @@ int run(CLI::App& app, int argc, char** argv) {
     if (stop_signal() != 0) {  // other failures are its consequences
       return fail(app, json, Stopped(stop_signal()).what(), 128 + stop_signal());
     }
-    return fail(app, json, with_option(error), code);
+    return fail(app, json, with_option(app, error), code);
   };
   try {
     if (argc < 2) throw UsageError("expected a command; `headpin --help` lists them");

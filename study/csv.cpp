@@ -38,7 +38,8 @@ void require_utf8(std::string_view text, const std::string& where) {
     if (length == 0) {
       fail(where, line, "expected text in UTF-8, found other bytes; save it as CSV in UTF-8");
     }
-    if (text[at] == '\n') ++line;
+    const bool alone = text[at] == '\r' && (at + 1 == text.size() || text[at + 1] != '\n');
+    if (text[at] == '\n' || alone) ++line;
     at += length;
   }
 }
@@ -50,7 +51,7 @@ char separator_of(std::string_view text) {
   bool quoted = false;
   for (const char c : text) {
     if (c == '"') quoted = !quoted;
-    if (c == '\n' && !quoted) break;
+    if ((c == '\n' || c == '\r') && !quoted) break;
     const std::size_t which = kSeparators.find(c);
     if (which != std::string_view::npos && !quoted) ++counts[which];
   }
@@ -69,8 +70,10 @@ class RowReader {
     CsvRow row{line_, {}};
     do row.cells.push_back(cell(row.line));
     while (take(separator_));
-    take('\r');
-    if (!at_end() && !take('\n')) fail(where_, line_, "expected the end of a cell behind a quote");
+    const bool carriage_return = take('\r');  // alone or before a line feed, it ends a line
+    if (!take('\n') && !carriage_return && !at_end()) {
+      fail(where_, line_, "expected the end of a cell behind a quote");
+    }
     ++line_;
     return row;
   }
@@ -94,7 +97,7 @@ class RowReader {
     while (!at_end()) {
       const char c = text_[at_++];
       if (c == '"' && !take('"')) return trimmed(value);
-      if (c == '\n') ++line_;
+      if (c == '\n' || (c == '\r' && (at_end() || text_[at_] != '\n'))) ++line_;
       value += c;
     }
     fail(where_, line, "expected a quote that closes the one that is opened here, found none");

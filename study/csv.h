@@ -31,7 +31,7 @@ struct CsvTable {
 
 /// Reads a table with a line of names (RFC 4180).
 ///
-/// It accepts a byte order mark, CR LF, `;` or tabs between cells, spaces around cells, and empty
+/// It accepts a byte order mark, CR LF or CR at the end of a line, `;` or tabs between cells, spaces around cells, and empty
 /// rows, as spreadsheets write them.
 ///
 /// @param where  name of the file, for messages

@@ -51,8 +51,10 @@ void report_sweep(const ReportSweepOptions& options) {
     throw std::runtime_error(sweep.at.design().string() +
                              ": expected a [grid] to draw maps over, found none");
   }
-  const std::size_t x = axis_of(sweep.rows.design(), "--x", options.x, std::nullopt);
-  const std::size_t y = axis_of(sweep.rows.design(), "--y", options.y, x);
+  std::optional<std::size_t> given_y;
+  if (!options.y.empty()) given_y = axis_of(sweep.rows.design(), "--y", options.y, std::nullopt);
+  const std::size_t x = axis_of(sweep.rows.design(), "--x", options.x, given_y);
+  const std::size_t y = given_y ? *given_y : axis_of(sweep.rows.design(), "--y", "", x);
   sweep::Averages averages(sweep.rows);
   std::int64_t done = 0;
   std::vector<std::string> lines;

@@ -94,6 +94,10 @@ std::string unknown_key(std::string_view key, const std::vector<std::string>& al
   const std::string_view table = table_of_key(key);
   const std::vector<std::string> names = names_in_table(table, all);
   const std::string unknown = fmt::format("unknown key '{}'", brief(key));
+  const std::vector<std::string> inside = names_in_table(fmt::format("{}.", key), all);
+  if (!inside.empty()) {
+    return fmt::format("{}: it is a table; known in it: {}", unknown, fmt::join(inside, ", "));
+  }
   if (const auto meant = nearest(key.substr(table.size()), names)) {
     return fmt::format("{}; the nearest is {}{}", unknown, table, *meant);
   }

@@ -257,6 +257,9 @@ TEST_F(SweepCommands, TheReportIsAPageOfMaps) {
   EXPECT_THAT(page, HasSubstr("24 of 24 rows"));
   EXPECT_THAT(page, HasSubstr("headpin replay whole/trials/throw.lcmlog --elasticity 0.5"));
   EXPECT_EQ(headpin("sweep report whole -o other.html --x shape --y friction").code, 0);
+  // Along the map goes another key than up.
+  EXPECT_THAT(headpin("sweep report whole -o up.html --y elasticity").out,
+              HasSubstr("over friction and elasticity\n"));
   expect_refusal("sweep report whole -o OUT.html --x ball.mass", 2, "expected a key of the grid");
   write_design("");
   plan("one");
@@ -295,6 +298,15 @@ TEST_F(SweepCommands, TheLineThatSubmitsIsOneForAShell) {
   const std::string said = slurp(folder_ / "said.txt");
   EXPECT_THAT(said, HasSubstr("/" + there + "/sweep.sbatch\n"));
   EXPECT_THAT(said, HasSubstr("/" + there + "/merge.sbatch\n"));
+}
+
+// `sweep plan` has no --force.
+TEST_F(SweepCommands, AForeignDesignInTheFolderIsNotReplacedByAnOptionThatIsNotThere) {
+  fs::create_directory(folder_ / "s");
+  spit(folder_ / "s/sweep.toml", "x = 1\n");
+  const Result result = headpin("sweep plan sweep.toml -o s");
+  EXPECT_EQ(result.code, 1);
+  EXPECT_THAT(result.err, testing::EndsWith("s/sweep.toml: exists already\n"));
 }
 
 TEST_F(SweepCommands, AShardIsOneOfANumberThatCanBe) {

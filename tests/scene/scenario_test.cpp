@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "render/data/hmd.h"
+#include "scene/scenario/nearest.h"
 #include "scene/stage/read_scenario.h"
 #include "tests/scene/refusal.h"
 
@@ -143,6 +144,8 @@ TEST(ScenarioText, AnUnknownKeyIsToldWithTheNearestOrThoseOfItsName) {
             "lane.toml:1: unknown key 'lane.friction'; the nearest is material.lane.friction");
   EXPECT_EQ(refusal("ball_mass = 3"),
             "lane.toml:1: unknown key 'ball_mass'; the nearest is ball.mass");
+  EXPECT_EQ(unknown_key("ball", {"ball.mass", "ball.rings.mass", "ball.rings.radius"}),
+            "unknown key 'ball': it is a table; known in it: mass, rings");
   EXPECT_EQ(refusal("mass = 3"),
             "lane.toml:1: unknown key 'mass'; keys of that name are skittle.mass, ball.mass");
   EXPECT_EQ(

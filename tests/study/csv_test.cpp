@@ -34,6 +34,20 @@ TEST(Csv, WhatASpreadsheetMakesOfItIsTheSameTable) {
   EXPECT_EQ(number_in(parse_csv("a,b\n", "t.csv"), "0,7"), std::nullopt);
 }
 
+// As old programs on a Mac write them, and Excel where it is asked for "Macintosh".
+TEST(Csv, ACarriageReturnAloneEndsALine) {
+  const CsvTable table = parse_csv("a;b\r1;\"two\rlines\"\r3;4\r", "t.csv");
+  EXPECT_THAT(table.columns, ElementsAre("a", "b"));
+  ASSERT_EQ(table.rows.size(), 2u);
+  EXPECT_THAT(table.rows[1].cells, ElementsAre("3", "4"));
+  EXPECT_EQ(table.rows[1].line, 4);
+  const auto says = [](const std::string& text) {
+    return complaint([&] { parse_csv(text, "t.csv"); });
+  };
+  EXPECT_THAT(says("a\rb\rz\xfcrich\r"), HasSubstr("t.csv:3: expected text in UTF-8"));
+  EXPECT_THAT(says("a,b\r1\r"), HasSubstr("t.csv:2: expected 2 cells, found 1"));
+}
+
 TEST(Csv, WhatIsNoTableIsRefusedWithFileAndLine) {
   const auto says = [](const std::string& text) {
     return complaint([&] { parse_csv(text, "t.csv"); });
