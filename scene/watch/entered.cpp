@@ -39,7 +39,8 @@ Entered enter(const Recorded& trial, Time at, TrialPlayer::Beside beside) {
     used.clear();
     entered.source->poll(tick_time(tick, rate_hz), used);
     if (beside.states) entered.source->state(tick);
-    if (beside.frames) entered.source->frame(tick);
+    while (beside.frames && entered.source->next_frame(tick)) {
+    }
   }
   return entered;
 }
