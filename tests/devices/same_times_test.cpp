@@ -109,7 +109,8 @@ TEST(SameTimes, AreNoneInAGapOfTheHead) {
 TEST(SameTimes, AreNoneInAGapOfAThrowingHandWhoseTimesAreNotTaken) {
   const PoseTrack head = moving(Time{0}, Time{10'000}, 0.5);
   PoseTrack hand;
-  for (const auto& sample : moving(Time{0}, Time{2'000}, 6.0).samples()) {
+  const PoseTrack whole = moving(Time{0}, Time{2'000}, 6.0);
+  for (const Stamped<Pose>& sample : whole.samples()) {
     if (sample.time <= Time{400'000} || sample.time >= Time{600'000})
       hand.push(sample.time, sample.value);
   }
@@ -168,7 +169,8 @@ TEST(SameTimes, AreThoseOfTheThrowingHandHoweverShortTheOtherIsTracked) {
 TEST(SameTimes, OfAThrowingHandWithAGapHaveIt) {
   const PoseTrack head = moving(Time{0}, Time{10'000}, 0.0);
   PoseTrack right;
-  for (const auto& sample : moving(Time{0}, Time{10'000}, 6.0).samples()) {
+  const PoseTrack whole = moving(Time{0}, Time{10'000}, 6.0);
+  for (const Stamped<Pose>& sample : whole.samples()) {
     if (sample.time <= Time{400'000} || sample.time >= Time{600'000})
       right.push(sample.time, sample.value);
   }
