@@ -13,7 +13,7 @@ namespace headpin::engine {
 namespace {
 
 constexpr Material kMaterial{0.7, 0.7};
-constexpr double kLength = 24.0;  // of the floor, along y [m]
+constexpr double kFloorLength = 24.0;  // of the floor, along y [m]
 
 Body fixed(Compound shape) {
   return {.name = "floor", .shape = std::move(shape), .material = kMaterial, .kind = Kind::fixed};
@@ -26,7 +26,7 @@ Part board(const Vec3& low, const Vec3& high) {
 /// Rows of boards across the way, their upper sides at z = 0.
 std::vector<Part> boards(double length, double gap = 0.0) {
   std::vector<Part> parts;
-  for (double y = -1.0; y < kLength; y += length) {
+  for (double y = -1.0; y < kFloorLength; y += length) {
     parts.push_back(board({-1.0, y, -0.1}, {1.0, y + length - gap, 0.0}));
   }
   return parts;
@@ -36,7 +36,7 @@ std::vector<Part> boards(double length, double gap = 0.0) {
 std::vector<Part> bricks() {
   std::vector<Part> parts;
   for (int row = -3; row < 3; ++row) {
-    for (double y = row % 2 == 0 ? -1.0 : -1.25; y < kLength; y += 0.5) {
+    for (double y = row % 2 == 0 ? -1.0 : -1.25; y < kFloorLength; y += 0.5) {
       parts.push_back(board({0.2 * row, y, -0.1}, {0.2 * row + 0.2, y + 0.5, 0.0}));
     }
   }
@@ -69,7 +69,7 @@ std::vector<Part> honeycomb() {
     faces.push_back({next, i, i + 6, next + 6});
   }
   std::vector<Part> parts;
-  for (int row = 0; 1.5 * r * row - 1.0 < kLength; ++row) {
+  for (int row = 0; 1.5 * r * row - 1.0 < kFloorLength; ++row) {
     for (int k = -2; k < 3; ++k) {
       const Vec3 p(across * (k + 0.5 * (row % 2)), 1.5 * r * row - 1.0, 0.0);
       parts.push_back({Polyhedron(corners, faces), {Quat::Identity(), p}});
@@ -92,7 +92,7 @@ std::vector<Body> each_its_own(const std::vector<Part>& parts) {
 /// A half-space with boards let into it, flush.
 std::vector<Body> boards_in_the_ground() {
   std::vector<Part> parts;
-  for (double y = 0.0; y < kLength; y += 1.0) {
+  for (double y = 0.0; y < kFloorLength; y += 1.0) {
     parts.push_back(board({-0.5, y, -0.1}, {0.5, y + 0.5, 0.0}));
   }
   std::vector<Body> bodies = each_its_own(parts);
@@ -200,10 +200,10 @@ TEST(Seams, AreNotWhereFacesDoNotJoin) {
     return way_over(each_its_own(parts), ball, {0.0, 3.0, 0.0}, {}).end;
   };
   const Part first = board({-1.0, -1.0, -0.1}, {1.0, 1.0, 0.0});
-  const Part higher = board({-1.0, 1.0, -0.1}, {1.0, kLength, 0.2});
+  const Part higher = board({-1.0, 1.0, -0.1}, {1.0, kFloorLength, 0.2});
   EXPECT_LT(over({first, higher}).X_WB.p.y(), 1.0) << "a step as high as the ball";
   EXPECT_LT(over({first}).X_WB.p.z(), -1.0) << "a border";
-  const Part after_gap = board({-1.0, 1.3, -0.1}, {1.0, kLength, 0.0});
+  const Part after_gap = board({-1.0, 1.3, -0.1}, {1.0, kFloorLength, 0.0});
   EXPECT_LT(over({first, after_gap}).X_WB.p.z(), -0.1) << "a gap as wide as the ball";
 
   World world = make_world({.gravity_W = Vec3::Zero()});
