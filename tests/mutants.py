@@ -1,15 +1,15 @@
 #!/usr/bin/python3
 """Puts faults into sources, one at a time, and lists those that the tests of their room do not notice.
 
-usage: mutants.py [--since COMMIT] [--most N] [FILES]
+usage: mutants.py [--since COMMIT] [--most N] [--longest S] [FILES]
 
 FILES are sources (.cpp) of one folder: base, devices, engine, render, scene or study; without them, those that changed since
 COMMIT (HEAD). Whatever their room is, the tests are those of the folder.
---most takes N of the faults, evenly spread.
+--most takes N of the faults, evenly spread. --longest leaves out the tests that take more than S seconds.
 
 A fault is one operator, statement or condition that is another: see `edits`. libclang says where they are; all are put into
 a copy of the sources as switches, so that the copy is built once, and a run of the tests turns one of them on: of those that
-come by it, the quick ones first. What no test comes by is listed without a run. Where this is run by root, nothing but /tmp can be written by a program with a fault.
+come by it, first those that come by few others, then the quick ones. What no test comes by is listed without a run. Where this is run by root, nothing but /tmp can be written by a program with a fault.
 """
 
 import argparse
@@ -271,32 +271,40 @@ def prepare(paths, top, most):
     return {number: mutants[number] for number in numbers}
 
 
+def in_order(tests):
+    """Groups of tests: those that come by the fewest faults, most likely meant for one of them; then the quick, then all others."""
+    closest = sorted((one for one in tests if one[3] < 2.0), key=lambda one: (len(one[2]), one[1]))[:8]
+    others = [one for one in tests if one not in closest]
+    groups = [closest] + [[one for one in others if low <= one[3] < high] for low, high in ((0.0, 0.2), (0.2, 2.0), (2.0, 1e9))]
+    return [group for group in groups if group]
+
+
 def state_of(number, tests):
-    """Tries a fault with the tests that come by it, the quick ones first.
+    """Tries a fault with the tests that come by it.
 
     @param tests  (program, test, what it comes by, how long it takes)
     """
-    mine = sorted((took, name, test) for name, test, came_by, took in tests if number in came_by)
+    mine = [one for one in tests if number in one[2]]
     if not mine:
         return "no test came by"
-    for low, high in ((0.0, 0.2), (0.2, 2.0), (2.0, 1e9)):
-        for name in sorted({name for _, name, _ in mine}):
-            group = [(took, test) for took, program, test in mine if program == name and low <= took < high]
-            limit_s = 10 + int(5 * sum(took for took, _ in group))  # what takes longer does not end
-            environment = {"HEADPIN_MUTANT": str(number)}
-            if group and not run_tests(name, [test for _, test in group], environment, limit_s)[0]:
+    for group in in_order(mine):
+        for name in sorted({one[0] for one in group}):
+            which = [one for one in group if one[0] == name]
+            limit_s = 10 + int(5 * sum(took for *_, took in which))  # what takes longer does not end
+            if not run_tests(name, [test for _, test, *_ in which], {"HEADPIN_MUTANT": str(number)}, limit_s)[0]:
                 return "noticed"
     return "SURVIVED"
 
 
-def try_all(mutants, room):
+def try_all(mutants, room, longest):
     """@return  by number, what became of it"""
     states = {}
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         which = [(name, test) for name in TESTS[room] for test in names_of(name)]
         alone = pool.map(lambda one: tried_alone(*one), which)
         tests = [(name, test, *tried) for (name, test), tried in zip(which, alone)]
-        print(f"{len(tests)} tests, {sum(took for *_, took in tests):.0f} s one by one", flush=True)
+        tests = [one for one in tests if one[3] <= longest]
+        print(f"{len(tests)} tests of {len(which)}, {sum(took for *_, took in tests):.0f} s one by one", flush=True)
         results = pool.map(lambda number: state_of(number, tests), mutants)
         for count, (number, state) in enumerate(zip(mutants, results), 1):
             states[number] = state
@@ -309,6 +317,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--since", default="HEAD")
     parser.add_argument("--most", type=int, default=0)
+    parser.add_argument("--longest", type=float, default=1e9)
     parser.add_argument("files", nargs="*")
     options = parser.parse_args()
     os.chdir(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
@@ -325,7 +334,7 @@ def main():
     wrong = build(top, rooms)
     if wrong:
         raise SystemExit("with the faults in it, it does not build:\n" + wrong[-4000:])
-    states = list(try_all(mutants, rooms[0]).values())
+    states = list(try_all(mutants, rooms[0], options.longest).values())
     count = {state: states.count(state) for state in ("noticed", "SURVIVED", "no test came by")}
     print(f"{rooms[0]}: {len(states)} faults, {count['noticed']} noticed ({100 * count['noticed'] / max(1, len(states)):.0f} %), "
           f"{count['SURVIVED']} survived, {count['no test came by']} where no test came by")
