@@ -80,8 +80,7 @@ void require_outside(const sweep::SweepFolder& at, const std::string& output) {
   const fs::path inside = path.lexically_relative(root);
   const std::string first = inside.empty() ? "" : inside.begin()->string();
   const bool is_folder = first == at.pieces().filename() || first == at.trials().filename();
-  const bool is_file = inside == at.rows().filename() || inside == at.design().filename();
-  if (!is_folder && !is_file) return;
+  if (!is_folder && inside != at.rows().filename()) return;
   throw UsageError(
       fmt::format("--output: {} is part of the sweep; expected another file, such as {}", output,
                   (at.root / "results.csv").string()));

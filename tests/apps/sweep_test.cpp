@@ -323,8 +323,8 @@ TEST_F(SweepCommands, AMergeDoesNotReplaceThePartsOfItsSweep) {
   ASSERT_EQ(headpin("sweep run s").code, 0);
   const std::string rows = slurp(folder_ / "s/rows.csv");
   fs::create_directory_symlink("s", folder_ / "link");
-  for (const char* part : {"s/rows.csv", "s/sweep.toml", "s/pieces/0.csv", "s/trials/x.csv",
-                           "./s/../s/rows.csv", "link/rows.csv"}) {
+  for (const char* part :
+       {"s/rows.csv", "s/pieces/0.csv", "s/trials/x.csv", "./s/../s/rows.csv", "link/rows.csv"}) {
     expect_refusal(std::string("sweep merge s --force -o ") + part, 2, "is part of the sweep");
   }
   EXPECT_EQ(slurp(folder_ / "s/rows.csv"), rows);

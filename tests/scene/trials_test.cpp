@@ -74,7 +74,7 @@ double deepest_ball(const std::string& path, std::int64_t rules) {
   return deepest;
 }
 
-/// How high above the floor the ball of a trial is at most, before it reaches the skittles [m].
+/// How high above the floor the ball of a trial is at most, between foul line and skittles [m].
 double highest_ball(const std::string& path, std::int64_t rules) {
   const Recorded recorded = load_trial(path);
   Scenario scenario = recorded.scenario;
@@ -87,7 +87,7 @@ double highest_ball(const std::string& path, std::int64_t rules) {
   const std::int64_t ticks = recorded.ticks();
   run(session, source, pace, {}, [&](const Session& s) {
     const Vec3& p = s.world.states[ball].X_WB.p;
-    const bool thrown = p.y() > -0.2 && p.y() < 10.0 && s.world.states[ball].v_WB.y() > 4.0;
+    const bool thrown = p.y() > 0.1 && p.y() < 10.0 && s.world.states[ball].v_WB.y() > 4.0;
     if (thrown) highest = std::max(highest, p.z() - scenario.ball.radius);
     return s.tick >= ticks;
   });
