@@ -170,7 +170,9 @@ class Page {
     return this.game;
   }
 
+  /** A link is for one game: the next one of this page would go into the same log. */
   async beginSending() {
+    if (this.sender) throw new Error('this link was used already; ask for another one');
     const sender = new Sender(this.key, () => this.tellSent());
     await sender.begin();
     this.sender = sender;
