@@ -169,7 +169,9 @@ std::vector<Seam> find_seams(const World& world) {
         if (is_parallel(face.up_W, other.up_W)) others.push_back(&other);
       };
       for (const Ground& plane : fixed.planes) add(plane);
-      for (const std::uint32_t n : neighbours[t]) std::ranges::for_each(faces[n], add);
+      for (const std::uint32_t n : neighbours[t]) {
+        for (const Ground& other : faces[n]) add(other);
+      }
       add_seams(fixed.tiles[t], face, others, seams);
     }
   }
