@@ -334,7 +334,8 @@ test('after the first of two versions the page says what begins the other one', 
     === 'This version is over. Press on the blue ball: the next version begins. Or press the key B.');
   await page.click('#end');
   await page.waitForSelector('#save-last');
-  assert.match(await hint(page), /^The game is over\. The blue version was not played\. red [^;]*\.$/);
+  await until(page, () => /^The game is over\. The blue version was not played\. red [^;]*\.$/
+    .test(document.getElementById('hint').textContent));
   assert.deepEqual(said, []);
   await context.close();
 });
