@@ -87,7 +87,9 @@ void go_back(World& world, const Flight& flight, Touches& touches, Touch& touch,
   for (int k = 0; k < kBack; ++k) {
     const double depth = deepest(touches, touch);
     if (depth <= world.parameters.slop) return;
-    const double part = std::clamp(before.gap / (before.gap + depth), 0.1, 0.9);
+    // Without a point the gap is not known, and large.
+    const double share = before.gap < kNever ? before.gap / (before.gap + depth) : 1.0;
+    const double part = std::clamp(share, 0.1, 0.9);
     const double t = before.time + part * (touch.time - before.time);
     Touch probe = touch;
     look_again(world, flight, probe, t, touches);

@@ -15,6 +15,8 @@ constexpr double kParallel = 1e-3;  // angle between such faces [rad]
 constexpr double kDeep = 1e-3;      // how deep below a face its edge is still met [m]
 constexpr double kBeside = 1e-4;    // how far inside an edge a point still belongs to it [m]
 constexpr double kLean = 1e-3;      // sine of the angle between a normal and that of the face
+/// What is farther away may yet land on the part: its path is followed until it is near [m].
+constexpr double kNear = 1e-3;
 constexpr std::uint32_t kMostPairs = 1u << 16;  // of parts, whose numbers a feature holds
 
 /// A convex part of a fixed body that has faces.
@@ -190,17 +192,23 @@ bool leans_over(const Seam& seam, const Vec3& p_W, const Vec3& n_W) {
          seam.out_W.dot(p_W) > seam.side - kBeside && seam.up_W.dot(p_W) > seam.height - kDeep;
 }
 
-/// Whether a point lies at one of the seams of a part.
+/// The seam of a part at which a point lies; null if there is none.
 ///
 /// @param p_W, n_W  on the surface of the part, and its normal, outward
-bool is_at_seam(const std::vector<Seam>& seams, BodyId body, std::uint32_t part, const Vec3& p_W,
-                const Vec3& n_W) {
+const Seam* seam_at(const std::vector<Seam>& seams, BodyId body, std::uint32_t part,
+                    const Vec3& p_W, const Vec3& n_W) {
   const std::pair of{body, part};
   for (auto seam = std::lower_bound(seams.begin(), seams.end(), of, comes_before);
        seam != seams.end() && std::pair(seam->body, seam->part) == of; ++seam) {
-    if (leans_over(*seam, p_W, n_W)) return true;
+    if (leans_over(*seam, p_W, n_W)) return &*seam;
   }
-  return false;
+  return nullptr;
+}
+
+/// The point of a part that is lowest over a seam's face.
+Vec3 lowest_point(const Part& part, const Pose& X_WB, const Seam& seam) {
+  const Pose X_WG = X_WB * part.X_BG;
+  return X_WG * support(part.shape, X_WG.q.conjugate() * -seam.up_W);
 }
 
 }  // namespace
@@ -212,23 +220,36 @@ void know_seams(World& world) {
   world.seams.made = true;
 }
 
-void leave_out_seams(const World& world, BodyId a, BodyId b, std::size_t first,
-                     std::vector<ContactPoint>& points) {
-  const bool of_a = world.bodies[a].kind == Kind::fixed;
-  const BodyId fixed = of_a ? a : b;
-  const std::size_t parts_of_b = world.bodies[b].shape->parts.size();
-  if (world.bodies[fixed].kind != Kind::fixed ||
-      world.bodies[a].shape->parts.size() * parts_of_b > kMostPairs) {
+void mend_at_seams(const World& world, const Placed& a, const Placed& b, std::size_t first,
+                   std::vector<ContactPoint>& points) {
+  const Compound &of_a = *world.bodies[a.body].shape, &of_b = *world.bodies[b.body].shape;
+  const bool a_fixed = world.bodies[a.body].kind == Kind::fixed;
+  const Placed &fixed = a_fixed ? a : b, &other = a_fixed ? b : a;
+  if (world.bodies[fixed.body].kind != Kind::fixed ||
+      of_a.parts.size() * of_b.parts.size() > kMostPairs) {
     return;
   }
-  const auto left_out = [&](const ContactPoint& p) {
+  const double sign = a_fixed ? 1.0 : -1.0;
+  const auto is_left_out = [&](ContactPoint& p) {
+    if (p.depth < -kNear) return false;
     const std::size_t pair = p.feature >> 16;
-    const auto part = static_cast<std::uint32_t>(of_a ? pair / parts_of_b : pair % parts_of_b);
-    const Vec3 n_W = of_a ? p.n_AB_W : Vec3(-p.n_AB_W);
-    return is_at_seam(world.seams.all, fixed, part, p.p_W + 0.5 * p.depth * n_W, n_W);
+    const std::size_t i = pair / of_b.parts.size(), j = pair % of_b.parts.size();
+    const Vec3 n_W = sign * p.n_AB_W;
+    const Seam* seam =
+        seam_at(world.seams.all, fixed.body, static_cast<std::uint32_t>(a_fixed ? i : j),
+                p.p_W + 0.5 * p.depth * n_W, n_W);
+    if (seam == nullptr) return false;
+    const Vec3 lowest = lowest_point(a_fixed ? of_b.parts[j] : of_a.parts[i], other.X_WB, *seam);
+    const double depth = seam->height - seam->up_W.dot(lowest);
+    if (depth > kDeep) return false;                        // it hangs down beside the part
+    if (seam->out_W.dot(lowest) > seam->side) return true;  // it is over the next part
+    p.depth = depth;
+    p.p_W = lowest + 0.5 * p.depth * seam->up_W;
+    p.n_AB_W = sign * seam->up_W;
+    return false;
   };
   const auto begin = points.begin() + static_cast<std::ptrdiff_t>(first);
-  points.erase(std::remove_if(begin, points.end(), left_out), points.end());
+  points.erase(std::remove_if(begin, points.end(), is_left_out), points.end());
 }
 
 }  // namespace headpin::engine::detail

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <span>
+#include <vector>
 
 #include "engine/world.h"
 
@@ -13,10 +13,16 @@ namespace headpin::engine::detail {
 /// Finds the seams of all fixed polyhedra, where they are not known.
 void know_seams(World& world);
 
-/// Contact points of a candidate's bodies, from `first` on, without those that lean over a seam.
+struct Placed {
+  BodyId body;
+  const Pose& X_WB;
+};
+
+/// Mends the contact points of two bodies, from `first` on, whose normals lean over a seam: what is lowest
+/// over the part itself meets its face, and what is lowest over the next part is left to that.
 ///
-/// @param a, b  the bodies; normals point from A to B
-void leave_out_seams(const World& world, BodyId a, BodyId b, std::size_t first,
-                     std::vector<ContactPoint>& points);
+/// @param a, b  normals point from A to B
+void mend_at_seams(const World& world, const Placed& a, const Placed& b, std::size_t first,
+                   std::vector<ContactPoint>& points);
 
 }  // namespace headpin::engine::detail

@@ -74,7 +74,7 @@ void contacts_of(World& world, const Candidate& c, std::span<KeptNormal> normals
   find_contacts(*a.shape, X_WA, *b.shape, X_WB, margin, normals, query, world.statistics.queries,
                 out);
   if (!world.seams.all.empty() && query.mode == Query::converged) {
-    leave_out_seams(world, c.a, c.b, first, out);
+    mend_at_seams(world, {c.a, X_WA}, {c.b, X_WB}, first, out);
   }
 }
 
