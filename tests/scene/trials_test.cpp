@@ -53,8 +53,9 @@ TEST(ATrialOfBefore, ComesToTheHashesOfItsTime) {
             (Hashes{"5b510b5c5a605014", "41d3efc8e187eb85"}));
 }
 
-/// How far the ball of a trial goes into the lane before its end [m].
-double deepest_ball(const std::string& path, std::int64_t rules) {
+/// Calls f(session, state of the ball) at each tick of a trial that is replayed under other rules.
+template <typename F>
+void follow_ball(const std::string& path, std::int64_t rules, F&& f) {
   const Recorded recorded = load_trial(path);
   Scenario scenario = recorded.scenario;
   scenario.collision.rules = rules;
@@ -62,34 +63,32 @@ double deepest_ball(const std::string& path, std::int64_t rules) {
   const engine::BodyId ball = session.stage->balls.front();
   TrialPlayer source(recorded.file);
   NoPace pace;
-  double deepest = 0.0;
   const std::int64_t ticks = recorded.ticks();
   run(session, source, pace, {}, [&](const Session& s) {
-    const Vec3& p = s.world.states[ball].X_WB.p;
+    f(s, s.world.states[ball]);
+    return s.tick >= ticks;
+  });
+}
+
+/// How far the ball of a trial goes into the lane before its end [m].
+double deepest_ball(const std::string& path, std::int64_t rules) {
+  double deepest = 0.0;
+  follow_ball(path, rules, [&](const Session& s, const engine::State& ball) {
+    const Vec3& p = ball.X_WB.p;
     const bool on_lane =
         p.y() < s.stage->room.deck_end && std::abs(p.x()) < 0.5 * s.stage->room.lane_width;
-    if (on_lane) deepest = std::max(deepest, scenario.ball.radius - p.z());
-    return s.tick >= ticks;
+    if (on_lane) deepest = std::max(deepest, s.scenario().ball.radius - p.z());
   });
   return deepest;
 }
 
 /// How high above the floor the ball of a trial is at most, between foul line and skittles [m].
 double highest_ball(const std::string& path, std::int64_t rules) {
-  const Recorded recorded = load_trial(path);
-  Scenario scenario = recorded.scenario;
-  scenario.collision.rules = rules;
-  Session session = make_session(scenario);
-  const engine::BodyId ball = session.stage->balls.front();
-  TrialPlayer source(recorded.file);
-  NoPace pace;
   double highest = 0.0;
-  const std::int64_t ticks = recorded.ticks();
-  run(session, source, pace, {}, [&](const Session& s) {
-    const Vec3& p = s.world.states[ball].X_WB.p;
-    const bool thrown = p.y() > 0.1 && p.y() < 10.0 && s.world.states[ball].v_WB.y() > 4.0;
-    if (thrown) highest = std::max(highest, p.z() - scenario.ball.radius);
-    return s.tick >= ticks;
+  follow_ball(path, rules, [&](const Session& s, const engine::State& ball) {
+    const Vec3& p = ball.X_WB.p;
+    const bool thrown = p.y() > 0.1 && p.y() < 10.0 && ball.v_WB.y() > 4.0;
+    if (thrown) highest = std::max(highest, p.z() - s.scenario().ball.radius);
   });
   return highest;
 }
