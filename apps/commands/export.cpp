@@ -104,7 +104,7 @@ void export_gltf(const ExportOptions& options) {
   scene::Session session = scene::make_session(recorded.scenario);
   GltfTrial gltf(session, scene::first_head_pose(recorded.file, recorded.scenario.rig),
                  1e-3 * options.tolerance_mm);
-  run_again(recorded, session, {&gltf});
+  run_again(options.trial, recorded, session, {&gltf});
   const std::string bytes =
       gltf.file(session, {{"trial", options.trial}, {"version", devices::software_version()}});
   file.write(bytes.data(), bytes.size());

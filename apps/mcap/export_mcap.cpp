@@ -84,7 +84,7 @@ void export_mcap(const std::string& trial, base::OutputFile file, bool with_pict
   if (with_pictures) {
     observers.push_back(&pictures.emplace(session, ticks, X_WD_first, mcap).observer());
   }
-  run_again(recorded, session, observers);
+  run_again(trial, recorded, session, observers);
   mcap.finish(session, {{"trial", trial},
                         {"version", devices::software_version()},
                         {"participant", summary.header.participant},

@@ -7,6 +7,7 @@
 
 #include "base/math.h"
 #include "tests/apps/command_line.h"
+#include "tests/apps/rewritten.h"
 #include "tests/apps/two_versions.h"
 
 namespace headpin {
@@ -101,6 +102,17 @@ TEST_F(Gltf, ATrialThatWasCutIsWrittenAsFarAsItGoesAndSaidToBeIncomplete) {
   const ReadGlb glb(slurp(folder_ / "cut.glb"));
   EXPECT_GT(glb.json["asset"]["extras"]["ticks"], 0);
   EXPECT_LT(glb.json["asset"]["extras"]["ticks"], 1682);
+}
+
+// Of an older version or another machine: the scene would contradict the states of the same log.
+TEST_F(Gltf, ATrialThatIsSimulatedOtherwiseThanItsStatesIsRefused) {
+  ASSERT_EQ(headpin("replay " + kDemo + " -o game.lcmlog").code, 0);
+  rewrite_trial(folder_ / "game.lcmlog", folder_ / "same.lcmlog", [](scene::Trial&) {});
+  EXPECT_EQ(headpin("export same.lcmlog --gltf same.glb").code, 0);
+  rewrite_trial(folder_ / "game.lcmlog", folder_ / "other.lcmlog",
+                [](scene::Trial& trial) { change_states_from(1000, trial); });
+  expect_refusal("export other.lcmlog --gltf OUT.glb", 1,
+                 "other.lcmlog: tick 1000 (4.166666 s) of the replay differs from the recording");
 }
 
 TEST_F(Gltf, SkittlesHaveTheShapeOfTheVersionThatIsPlayed) {

@@ -10,6 +10,7 @@
 #include <zstd.h>
 
 #include "tests/apps/command_line.h"
+#include "tests/apps/rewritten.h"
 #include "tests/apps/two_versions.h"
 #include "tests/support/csv_rows.h"
 
@@ -293,6 +294,14 @@ TEST_F(Mcap, ATrialThatWasCutIsWrittenAsFarAsItGoes) {
   EXPECT_EQ(cut.code, 0);
   EXPECT_THAT(cut.err, testing::HasSubstr("is incomplete"));
   EXPECT_TRUE(ReadMcap(slurp(folder_ / "cut.mcap")).has_footer);
+}
+
+// Else /tf would contradict lcm/STATE in the same file.
+TEST_F(Mcap, ATrialThatIsSimulatedOtherwiseThanItsStatesIsRefused) {
+  rewrite_trial(folder_ / "game.lcmlog", folder_ / "other.lcmlog",
+                [](scene::Trial& trial) { change_states_from(1000, trial); });
+  expect_refusal("export other.lcmlog --mcap OUT.mcap", 1,
+                 "other.lcmlog: tick 1000 (4.166666 s) of the replay differs from the recording");
 }
 
 TEST_F(Mcap, ExistingFilesAndWrongUseAreRefused) {
