@@ -360,18 +360,26 @@ void add_phenotype(const Questionnaire& questions, const std::vector<Person>& pe
 std::string bids_readme(const Design& design, const std::vector<Person>& people,
                         bool deidentified) {
   const bool virtuals = std::ranges::any_of(people, &Person::is_virtual);
+  const bool all_replay =
+      std::ranges::all_of(people, [](const Person& p) { return p.played.replays; });
   return fmt::format(
       "{}\n\nTwo games of bowling at skittles in a virtual room a participant, between which one "
       "parameter of the collisions changes.\n{}"
       "tracksys-head and tracksys-hand (tracksys-lefthand of a left hand) are what the tracker "
       "measured, tracksys-simulated is what "
-      "the simulation made of it. The events have the buttons among them. {}\n",
+      "the simulation made of it. The events have the buttons among them. {}{}\n",
       name_of(design),
       virtuals ? "Some or all of the participants are virtual: see `virtual` in participants.tsv.\n"
                : "",
       deidentified
           ? "The participants have numbers in place of their names, and the trials are left out."
-          : "sourcedata/ holds the trials themselves, which headpin replays to the bit.");
+      : all_replay ? "sourcedata/ holds the trials themselves, which headpin replays to the bit."
+                   : "sourcedata/ holds the trials themselves.",
+      all_replay
+          ? ""
+          : " Where the simulation by the version of headpin that wrote this dataset differs "
+            "from the recording, tracksys-simulated is left out; `replays` in "
+            "participants.tsv is no there.");
 }
 
 std::vector<BidsFile> dataset_files(const Design& design, const Questionnaire& questions,

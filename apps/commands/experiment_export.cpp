@@ -16,7 +16,9 @@
 #include "base/left_parts.h"
 #include "base/output_file.h"
 #include "devices/base/version.h"
+#include "scene/play/game_hash.h"
 #include "scene/watch/recorded.h"
+#include "scene/watch/verifier.h"
 #include "study/bids.h"
 
 namespace headpin::apps {
@@ -146,6 +148,45 @@ std::vector<devices::Sample> samples_of(const scene::Recorded& recorded) {
   return samples;
 }
 
+/// Simulates a session again.
+/// @throws scene::Differs  where that is not what was recorded
+void simulate_again(const scene::Recorded& recorded, const std::string& path, bool same_game,
+                    scene::Observer& seen_by) {
+  scene::Session again = scene::make_session(recorded.scenario);
+  scene::TrialPlayer source(recorded.file, {.states = true});
+  std::vector<scene::Observer*> observers;
+  std::optional<scene::Verifier> verifier;
+  if (source.has_states()) observers.push_back(&verifier.emplace(path, source, again));
+  observers.push_back(&seen_by);
+  scene::NoPace pace;
+  const std::int64_t ticks = recorded.ticks();
+  scene::run(again, source, pace, observers, [&](const scene::Session& s) {
+    check_stop();
+    return s.tick >= ticks;
+  });
+  const auto said = scene::said_game_hash(recorded.file.summary());
+  if (!said || same_game) return;
+  throw scene::Differs(
+      fmt::format("{}: the replayed game differs from the recorded one, whose game hash is {}",
+                  path, said->hash));
+}
+
+/// Writes the simulated bodies. They are left out, with a warning, where they contradict the trial.
+/// @param same_game  the game hash of a replay is the recorded one
+void write_simulated(Dataset& dataset, const scene::Recorded& recorded, const std::string& path,
+                     bool same_game, const study::BidsSession& session) {
+  std::string table;
+  study::SimulatedSystem simulated([&](const std::string& row) { table += row; });
+  try {
+    simulate_again(recorded, path, same_game, simulated);
+  } catch (const scene::Differs& error) {
+    return say("headpin experiment export: {}; its tracksys-simulated is left out\n",
+               printable(error.what()));
+  }
+  dataset.write(study::SimulatedSystem::table_name(session), table);
+  for (const auto& [name, text] : simulated.files(session)) dataset.write(name, text);
+}
+
 /// Writes one participant's session; simulates it again for the bodies.
 Traits write_session(Dataset& dataset, const Study& study, const study::Person& person,
                      const std::string& subject) {
@@ -158,19 +199,7 @@ Traits write_session(Dataset& dataset, const Study& study, const study::Person& 
                              &header,      samples_of(recorded),
                              trial.events, recorded.scenario.rig.X_WT.q};
   for (const auto& [name, text] : study::session_files(session)) dataset.write(name, text);
-  std::string table;
-  study::SimulatedSystem simulated([&](const std::string& row) { table += row; });
-  scene::Observer* const observer = &simulated;
-  scene::Session again = scene::make_session(recorded.scenario);
-  scene::TrialPlayer source(recorded.file);
-  scene::NoPace pace;
-  const std::int64_t ticks = recorded.ticks();
-  scene::run(again, source, pace, std::span(&observer, 1), [&](const scene::Session& s) {
-    check_stop();
-    return s.tick >= ticks;
-  });
-  dataset.write(study::SimulatedSystem::table_name(session), table);
-  for (const auto& [name, text] : simulated.files(session)) dataset.write(name, text);
+  write_simulated(dataset, recorded, path.string(), person.played.replays, session);
   return traits_of(recorded, session.samples);
 }
 

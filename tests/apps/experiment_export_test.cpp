@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "scene/record/events.h"
 #include "tests/apps/command_line.h"
+#include "tests/apps/rewritten.h"
 
 namespace headpin {
 namespace {
@@ -146,6 +148,46 @@ TEST_F(StudyExport, RowsOfSimulatedBodiesAreTheScenariosFrames) {
             "data/sub-p001/motion/sub-p001_task-bowling_tracksys-simulated_run-01_motion.json"));
   EXPECT_EQ(sidecar["SamplingFrequency"], 30.0);
   EXPECT_THAT(sidecar["TaskDescription"].get<std::string>(), HasSubstr("a frame of 1/30 s a row"));
+}
+
+// Simulated bodies that contradict the trial are not data. One trial has another game hash, one other states.
+TEST_F(StudyExport, BodiesThatAreSimulatedOtherwiseThanTheyWereRecordedAreLeftOut) {
+  play(3);
+  const auto trial = [&](const std::string& id) {
+    return folder_ / "study/sessions" / id / "run-01.lcmlog";
+  };
+  fs::rename(trial("p001"), folder_ / "p001.lcmlog");
+  rewrite_trial(folder_ / "p001.lcmlog", trial("p001"), [](scene::Trial& one) {
+    for (scene::Event& event : one.events) {
+      if (event.kind == scene::kind::game_hash) event.detail = "0123456789abcdef";
+    }
+  });
+  ASSERT_EQ(headpin("replay study/sessions/p002/run-01.lcmlog -o p002.lcmlog").code, 0);
+  fs::remove(trial("p002"));
+  rewrite_trial(folder_ / "p002.lcmlog", trial("p002"),
+                [](scene::Trial& one) { change_states_from(1000, one); });
+  const Result made = headpin("experiment export study --motion-bids data");
+  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_THAT(made.err, HasSubstr("p001/run-01.lcmlog: the replayed game differs"));
+  EXPECT_THAT(made.err,
+              HasSubstr("p002/run-01.lcmlog: tick 1000 (4.166666 s) of the replay differs"));
+  for (const char* id : {"p001", "p002", "p003"}) {
+    int simulated = 0, files = 0;
+    for (const auto& entry :
+         fs::directory_iterator(folder_ / "data" / ("sub-" + std::string(id)) / "motion")) {
+      ++files;
+      if (entry.path().string().find("tracksys-simulated") != std::string::npos) ++simulated;
+    }
+    EXPECT_GT(files, 4) << id;
+    EXPECT_EQ(simulated, std::string(id) == "p003" ? 4 : 0) << id;
+  }
+  const std::string readme = slurp(folder_ / "data/README");
+  EXPECT_THAT(readme, HasSubstr("tracksys-simulated is left out"));
+  EXPECT_THAT(readme, testing::Not(HasSubstr("replays to the bit")));
+  ASSERT_EQ(headpin("experiment plan -o whole --design short.toml --people 1").code, 0);
+  ASSERT_EQ(headpin("experiment run whole --all --virtual").code, 0);
+  ASSERT_EQ(headpin("experiment export whole --motion-bids data2").code, 0);
+  EXPECT_THAT(slurp(folder_ / "data2/README"), HasSubstr("replays to the bit"));
 }
 
 TEST_F(StudyExport, DeidentifiedHasNumbersAndNoTrials) {
