@@ -109,19 +109,20 @@ void XdfWriter::put_samples() {
   }
 }
 
-void XdfWriter::put_offsets() {
+void XdfWriter::put_offsets(double time) {
   for (std::size_t i = 0; i < states_.size(); ++i) {
     std::string chunk = of_stream(i);
-    put_real(next_offset_, chunk);
+    put_real(time, chunk);
     put_real(0.0, chunk);
     put_chunk(XdfTag::offset, chunk);
   }
+  offsets_.push_back(time);
 }
 
 void XdfWriter::advance(double time) {
   if (!begun_) {
     begun_ = true;
-    first_offset_ = next_offset_ = next_samples_ = time;
+    next_offset_ = next_samples_ = time;
     next_boundary_ = time + kBoundaryEvery;
   }
   // After a pause, one is enough.
@@ -129,7 +130,10 @@ void XdfWriter::advance(double time) {
     put_samples();
     next_samples_ = time + kSamplesEvery;
   }
-  for (; time >= next_offset_; next_offset_ += kOffsetsEvery) put_offsets();
+  if (time >= next_offset_) {
+    put_offsets(time);
+    next_offset_ = time + kOffsetsEvery;
+  }
   if (time >= next_boundary_) {
     put_chunk(XdfTag::boundary, kXdfBoundary);
     next_boundary_ = time + kBoundaryEvery;
@@ -139,7 +143,7 @@ void XdfWriter::advance(double time) {
 void XdfWriter::put_footer(std::size_t stream) {
   const StreamState& state = states_[stream];
   std::string offsets;
-  for (double time = first_offset_; begun_ && time < next_offset_; time += kOffsetsEvery) {
+  for (const double time : offsets_) {
     offsets += fmt::format("<offset><time>{}</time><value>0</value></offset>", time);
   }
   put_chunk(XdfTag::footer,

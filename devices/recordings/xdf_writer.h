@@ -37,7 +37,8 @@ class XdfWriter {
   void add(std::size_t stream, double time, std::span<const double> numbers);
   void add(std::size_t stream, double time, std::span<const std::string> words);
 
-  /// Writes what is due at this time: samples, clock offsets every 5 s, a boundary every 10 s.
+  /// Writes what is due at this time [s]: samples, clock offsets every 5 s, a boundary every 10 s. After a
+  /// pause, however long, each is written once.
   void advance(double time);
 
   /// Writes the rest, and the footers.
@@ -58,14 +59,15 @@ class XdfWriter {
   };
   void put_chunk(XdfTag tag, std::string_view content);
   void put_samples();
-  void put_offsets();
+  void put_offsets(double time);
   void put_footer(std::size_t stream);
   std::string& begin_sample(std::size_t stream, double time);
 
   std::function<void(std::string_view)> put_;
   std::vector<StreamState> states_;
   bool begun_ = false;
-  double first_offset_ = 0.0, next_offset_ = 0.0, next_boundary_ = 0.0, next_samples_ = 0.0;
+  std::vector<double> offsets_;  ///< times of the clock offsets [s]
+  double next_offset_ = 0.0, next_boundary_ = 0.0, next_samples_ = 0.0;
 };
 
 }  // namespace headpin::devices

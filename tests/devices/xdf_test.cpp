@@ -3,6 +3,7 @@
 #include "scene/record/xdf.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -11,6 +12,7 @@
 
 #include "devices/recordings/xdf_clock.h"
 #include "devices/recordings/xdf_motion.h"
+#include "devices/recordings/xdf_writer.h"
 #include "tests/support/xdf_bytes.h"
 
 namespace headpin::devices {
@@ -323,6 +325,25 @@ std::string why_no_motion(const std::string& file) {
     return error.what();
   }
   return "";
+}
+
+// One clock offset for each 5 s until a time of 1e13 us would be a file without an end.
+TEST(XdfWriter, ATimeFarAwayMakesTheFileNoLonger) {
+  std::string file;
+  XdfWriter writer([&](std::string_view bytes) { file += bytes; }, "");
+  const std::size_t stream = writer.begin({"n", "t", "double64", {{"a", "", "", ""}}});
+  for (const double time : {0.0, 1.0, 6.0, 1e7, 1e7 + 6.0}) {
+    writer.advance(time);
+    writer.add(stream, time, std::array{1.0});
+  }
+  writer.finish();
+  EXPECT_LT(file.size(), 5000u);
+  const XdfFile read = read_all_streams(file);
+  EXPECT_THAT(read.notes, ElementsAre());
+  EXPECT_THAT(read.streams.at(0).times, ElementsAre(0.0, 1.0, 6.0, 1e7, 1e7 + 6.0));
+  std::vector<double> offsets;
+  for (const XdfClockOffset& offset : read.streams.at(0).offsets) offsets.push_back(offset.time);
+  EXPECT_THAT(offsets, ElementsAre(0.0, 6.0, 1e7, 1e7 + 6.0));
 }
 
 TEST(XdfMotion, AFileWithoutMotionIsRefusedWithItsStreams) {
