@@ -56,8 +56,9 @@ std::vector<std::size_t> kept_keys(
   return kept;
 }
 
-GltfTrial::GltfTrial(const scene::Session& session, const Pose& X_WD_first, double tolerance)
-    : tolerance_(tolerance), X_WD_(X_WD_first) {
+GltfTrial::GltfTrial(const scene::Session& session, const Pose& X_WD_first,
+                     const scene::TrialSummary& trial, double tolerance)
+    : tolerance_(tolerance), X_WD_(X_WD_first), outside_(trial.events) {
   // glTF has y up.
   const double half = std::sqrt(0.5);
   glb_.add("nodes", placed("world", {Quat(half, -half, 0.0, 0.0), Vec3::Zero()}));
@@ -132,6 +133,11 @@ void GltfTrial::add_cameras(const render::Optics& optics) {
 void GltfTrial::tick(const scene::Session& session) {
   keep(session);
   events_.insert(events_.end(), session.events.begin(), session.events.end());
+  add_outside_events(session.now());
+}
+
+void GltfTrial::add_outside_events(Time now) {
+  while (const scene::Event* event = outside_.next(now)) events_.push_back(*event);
 }
 
 void GltfTrial::keep(const scene::Session& session) {
@@ -296,6 +302,7 @@ std::string GltfTrial::file(const scene::Session& session, nlohmann::json about)
   }
   if (!hand_.X_WN.empty()) add_hand();
   for (std::size_t eye = 0; eye < 2; ++eye) add_track(eyes_[eye], {{"camera", eye}});
+  add_outside_events(Time::max());
   add_events();
   if (glb_.json.contains("animations")) glb_.json["animations"][0]["name"] = "trial";
   glb_.json["scenes"][0] = {{"name", "trial"}, {"nodes", {0}}};

@@ -10,6 +10,7 @@
 #include "scene/looks/looks.h"
 #include "scene/play/run.h"
 #include "scene/play/session.h"
+#include "scene/record/outside.h"
 
 namespace headpin::apps {
 
@@ -33,8 +34,10 @@ std::vector<std::size_t> kept_keys(
 /// all but one are scaled to nothing, because the core of glTF has no other way to hide a node.
 class GltfTrial : public scene::Observer {
  public:
+  /// @param trial      summary of the log
   /// @param tolerance  of the thinned keys [m]; 0 keeps the key of every tick
-  GltfTrial(const scene::Session& session, const Pose& X_WD_first, double tolerance);
+  GltfTrial(const scene::Session& session, const Pose& X_WD_first, const scene::TrialSummary& trial,
+            double tolerance);
 
   void start(const scene::Session& session) override { keep(session); }
   void tick(const scene::Session& session) override;
@@ -47,6 +50,7 @@ class GltfTrial : public scene::Observer {
 
  private:
   void keep(const scene::Session& session);
+  void add_outside_events(Time now);
   void add_looks(const scene::Stage& stage);
   void add_cameras(const render::Optics& optics);
   void add_node(nlohmann::json node);
@@ -75,6 +79,7 @@ class GltfTrial : public scene::Observer {
   std::vector<std::size_t> grips_;              ///< which of them is seen, one per tick
   Pose X_WD_;
   std::vector<scene::Event> events_;
+  scene::OutsideEvents outside_;
   std::size_t keys_ = 0;
 };
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "devices/base/sources.h"
+#include "scene/record/outside.h"
 #include "scene/record/tables.h"
 #include "study/csv.h"
 
@@ -153,11 +154,11 @@ void take_events(const CsvTable& table, TablesTrial& trial) {
   TableCells row(table);
   for (const CsvRow& cells : table.rows) {
     row.go_to(cells);
-    if (row.whole("tick", -1) >= 0) continue;
     const auto text = [&](const char* column) {
       const std::string* cell = row.find(column);
       return cell ? *cell : std::string();
     };
+    if (!scene::is_outside(row.whole("tick", -1), text("kind"))) continue;
     scene::Event event;
     event.time = row.time("time_s");
     event.kind = row.text("kind");

@@ -103,7 +103,7 @@ void export_gltf(const ExportOptions& options) {
       {.overwrite = options.force, .standard_output = true, .inputs = {options.trial}});
   scene::Session session = scene::make_session(recorded.scenario);
   GltfTrial gltf(session, scene::first_head_pose(recorded.file, recorded.scenario.rig),
-                 1e-3 * options.tolerance_mm);
+                 recorded.file.summary(), 1e-3 * options.tolerance_mm);
   run_again(options.trial, recorded, session, {&gltf});
   const std::string bytes =
       gltf.file(session, {{"trial", options.trial}, {"version", devices::software_version()}});

@@ -53,7 +53,11 @@ std::string type_on(std::string_view channel) {
 
 McapTrial::McapTrial(McapWriter& out, const scene::Session& session, const Pose& X_WD_first,
                      const scene::TrialSummary& trial, devices::FileWindow& log)
-    : out_(out), X_WD_(X_WD_first), reader_(log), schema_of_log_(trial.header.schema) {
+    : out_(out),
+      X_WD_(X_WD_first),
+      outside_(trial.events),
+      reader_(log),
+      schema_of_log_(trial.header.schema) {
   transforms_ = topic("/tf", "FrameTransforms");
   scene_ = topic("/scene", "SceneUpdate");
   head_ = topic("/head", "PoseInFrame");
@@ -71,10 +75,6 @@ McapTrial::McapTrial(McapWriter& out, const scene::Session& session, const Pose&
   for (const auto& bodies : {session.stage->skittles, session.stage->balls}) {
     for (const engine::BodyId body : bodies) bodies_.push_back({body, names[body]});
   }
-  for (const scene::Event& event : trial.events) {
-    if (event.tick < 0) outside_.push_back(event);
-  }
-  std::ranges::stable_sort(outside_, {}, &scene::Event::time);
   if (schema_of_log_.empty()) schema_of_log_ = devices::schema_text();
   next_of_log_ = reader_.next();
 }
@@ -193,10 +193,7 @@ void McapTrial::add_hand(const scene::Session& session, ProtobufWriter& transfor
 
 void McapTrial::add_events(const scene::Session& session) {
   for (const scene::Event& event : session.events) add_event(event);
-  for (; next_outside_ < outside_.size() && outside_[next_outside_].time <= session.now();
-       ++next_outside_) {
-    add_event(outside_[next_outside_]);
-  }
+  while (const scene::Event* event = outside_.next(session.now())) add_event(*event);
 }
 
 void McapTrial::add_event(const scene::Event& event) {
@@ -257,7 +254,7 @@ void McapTrial::add_log_until(Time now) {
 }
 
 void McapTrial::finish(const scene::Session& session, std::map<std::string, std::string> facts) {
-  for (; next_outside_ < outside_.size(); ++next_outside_) add_event(outside_[next_outside_]);
+  while (const scene::Event* event = outside_.next(Time::max())) add_event(*event);
   for (; next_of_log_; next_of_log_ = reader_.next()) {
     if (!first_of_log_) first_of_log_ = next_of_log_->time;
     add_of_log(*next_of_log_, session.now());

@@ -14,6 +14,7 @@
 #include "scene/looks/looks.h"
 #include "scene/play/run.h"
 #include "scene/play/session.h"
+#include "scene/record/outside.h"
 #include "scene/record/trial.h"
 #include "scene/watch/eye_frames.h"
 
@@ -77,8 +78,7 @@ class McapTrial : public scene::Observer, public scene::FrameSink {
   std::optional<std::size_t> grip_;             ///< that was written last
   Pose X_WD_;
 
-  std::vector<scene::Event> outside_;  ///< events of the trial that no simulation makes
-  std::size_t next_outside_ = 0;
+  scene::OutsideEvents outside_;
 
   devices::LogReader reader_;
   std::optional<devices::LogEvent> next_of_log_;

@@ -12,6 +12,7 @@
 
 #include "devices/base/sources.h"
 #include "devices/log/sample_messages.h"
+#include "scene/record/outside.h"
 #include "scene/record/tables.h"
 
 namespace headpin::scene {
@@ -355,7 +356,7 @@ class TrialFromXdf {
         {kinds->times.size(), bodies->times.size(), details->times.size(), values->times.size()});
     for (std::size_t i = 0; i < count; ++i) {
       for (StreamRow* row : {&kind, &body, &detail, &value}) row->go_to(i);
-      if (value.whole("tick") >= 0) continue;
+      if (!is_outside(value.whole("tick"), kind.word("kind"))) continue;
       Event event;
       event.time = kind.time();
       event.kind = kind.word("kind");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -113,6 +114,24 @@ TEST_F(Gltf, ATrialThatIsSimulatedOtherwiseThanItsStatesIsRefused) {
                 [](scene::Trial& trial) { change_states_from(1000, trial); });
   expect_refusal("export other.lcmlog --gltf OUT.glb", 1,
                  "other.lcmlog: tick 1000 (4.166666 s) of the replay differs from the recording");
+}
+
+TEST_F(Gltf, EventsThatNoSimulationMakesHaveNodesToo) {
+  ASSERT_EQ(headpin("replay " + kDemo + " -o game.lcmlog").code, 0);
+  rewrite_trial(folder_ / "game.lcmlog", folder_ / "live.lcmlog", add_told_live);
+  ASSERT_EQ(headpin("export live.lcmlog --gltf live.glb").code, 0);
+  const ReadGlb glb(slurp(folder_ / "live.glb"));
+  std::map<std::string, double> times;
+  std::size_t events = 0;
+  for (const nlohmann::json& node : glb.json["nodes"]) {
+    if (!node.contains("extras") || !node["extras"].contains("event")) continue;
+    ++events;
+    times[node["extras"]["event"]] = node["extras"]["t_s"];
+  }
+  EXPECT_EQ(times.at("drawn_by"), 0.0);
+  EXPECT_EQ(times.at("source_amiss"), 2.5);
+  const std::size_t all = json("info live.lcmlog --json")["events"].size();
+  EXPECT_EQ(events, all - 2);  // ledger and game_hash say how the recording ended
 }
 
 TEST_F(Gltf, SkittlesHaveTheShapeOfTheVersionThatIsPlayed) {

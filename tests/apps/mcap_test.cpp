@@ -266,6 +266,25 @@ TEST_F(Mcap, EveryMessageIsOfItsSchemaAndEveryEventIsThere) {
   EXPECT_EQ(next, events.size());
 }
 
+TEST_F(Mcap, EventsThatNoSimulationMakesAreThereToo) {
+  const auto events_of = [&](const std::string& name) {
+    ReadMcap mcap(slurp(folder_ / name));
+    std::vector<std::pair<std::string, std::int64_t>> events;
+    for (const McapMessage& message : mcap.messages) {
+      if (message.topic != "/events") continue;
+      const auto decoded = mcap.decoded(message);
+      events.emplace_back(text(*decoded, "name"), microseconds_of(*decoded));
+    }
+    return events;
+  };
+  rewrite_trial(folder_ / "game.lcmlog", folder_ / "live.lcmlog", add_told_live);
+  ASSERT_EQ(headpin("export live.lcmlog --mcap live.mcap").code, 0);
+  auto live = events_of("live.mcap");
+  EXPECT_EQ(std::erase(live, std::pair<std::string, std::int64_t>("drawn_by", 0)), 1u);
+  EXPECT_EQ(std::erase(live, std::pair<std::string, std::int64_t>("source_amiss", 2'500'000)), 1u);
+  EXPECT_EQ(live, events_of("game.mcap"));
+}
+
 TEST_F(Mcap, TheMessagesOfTheLogAreCopied) {
   ReadMcap mcap(slurp(folder_ / "game.mcap"));
   std::map<std::string, std::pair<std::int64_t, std::size_t>> found;

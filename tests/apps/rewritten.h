@@ -1,9 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <string_view>
 
 #include "devices/base/sources.h"
+#include "scene/record/events.h"
 #include "scene/record/log.h"
 
 namespace headpin {
@@ -35,6 +38,21 @@ inline void change_states_from(std::int64_t tick, scene::Trial& trial) {
     state.bodies.front().X_WB.p.x() += 0.1;
     state.hash ^= 1;
   }
+}
+
+/// Adds what a live session tells, at its tick, and no simulation makes again: what drew at time 0, and that a
+/// source was amiss at 2.5 s.
+inline void add_told_live(scene::Trial& trial) {
+  const auto add = [&](std::string_view kind, Time time, std::int64_t tick) {
+    scene::Event event;
+    event.time = time;
+    event.tick = tick;
+    event.kind = kind;
+    const auto later = std::ranges::upper_bound(trial.events, time, {}, &scene::Event::time);
+    trial.events.insert(later, event);
+  };
+  add(scene::kind::drawn_by, Time{}, 0);
+  add(scene::kind::source_amiss, Time{2'500'000}, 600);
 }
 
 }  // namespace headpin

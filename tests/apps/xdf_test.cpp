@@ -2,6 +2,7 @@
 
 #include <xdf.h>
 
+#include "tests/apps/rewritten.h"
 #include "tests/apps/trial_commands.h"
 #include "tests/support/csv_rows.h"
 #include "tests/support/xdf_bytes.h"
@@ -84,6 +85,23 @@ TEST_F(XdfCommands, EventsOutsideTheSimulationComeBack) {
     EXPECT_EQ(after[i].p_W, before[i].p_W);
     EXPECT_EQ(after[i].value, before[i].value);
     EXPECT_EQ(after[i].detail.text(), before[i].detail.text());
+  }
+}
+
+// They have the ticks at which a live session told them; a replay makes only the others again.
+TEST_F(XdfCommands, EventsOfALiveSessionComeBackFromXdfAndFromTables) {
+  rewrite_trial(folder_ / "game.lcmlog", folder_ / "live.lcmlog", add_told_live);
+  EXPECT_EQ(headpin("export live.lcmlog --xdf live.xdf").code, 0);
+  EXPECT_EQ(headpin("export live.lcmlog -o live").code, 0);
+  EXPECT_EQ(headpin("import live.xdf -o from-xdf.lcmlog").code, 0);
+  EXPECT_EQ(headpin("import live -o from-tables.lcmlog").code, 0);
+  for (const char* name : {"from-xdf.lcmlog", "from-tables.lcmlog"}) {
+    const auto events = trial(name).events;
+    ASSERT_EQ(events.size(), 2u) << name;
+    EXPECT_EQ(events[0].kind, "drawn_by") << name;
+    EXPECT_EQ(events[0].time, Time{}) << name;
+    EXPECT_EQ(events[1].kind, "source_amiss") << name;
+    EXPECT_EQ(events[1].time, Time{2'500'000}) << name;
   }
 }
 
