@@ -55,6 +55,7 @@ McapTrial::McapTrial(McapWriter& out, const scene::Session& session, const Pose&
                      const scene::TrialSummary& trial, devices::FileWindow& log)
     : out_(out),
       X_WD_(X_WD_first),
+      pixel_aspect_(session.scenario().hmd.optics.pixel_aspect()),
       outside_(trial.events),
       reader_(log),
       schema_of_log_(trial.header.schema) {
@@ -211,7 +212,7 @@ void McapTrial::add_event(const scene::Event& event) {
 
 void McapTrial::add(const scene::EyeFrame& frame) {
   for (std::size_t eye = 0; eye < 2; ++eye) {
-    const std::vector<std::uint8_t> png = render::encode_png(frame.images[eye]);
+    const std::vector<std::uint8_t> png = render::encode_png(frame.images[eye], pixel_aspect_);
     add(eyes_[eye].image, frame.time,
         foxglove::compressed_image(frame.time, eyes_[eye].camera, "png",
                                    {reinterpret_cast<const char*>(png.data()), png.size()}));

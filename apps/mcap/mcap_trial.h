@@ -78,6 +78,7 @@ class McapTrial : public scene::Observer, public scene::FrameSink {
   std::optional<std::size_t> grip_;             ///< that was written last
   Pose X_WD_;
 
+  double pixel_aspect_;  ///< of the pictures: width of a pixel over its height
   scene::OutsideEvents outside_;
 
   devices::LogReader reader_;

@@ -307,6 +307,27 @@ TEST_F(Mcap, EqualTrialsGiveEqualBytes) {
   EXPECT_EQ(slurp(folder_ / "again.mcap"), slurp(folder_ / "game.mcap"));
 }
 
+// Pixels of the bundled trial's display are wider than high: 14055 of them are as wide as 10000 are high.
+TEST_F(Mcap, PicturesSayTheShapeOfTheirPixelsAsTheFilesOfFramesDo) {
+  const auto pixels_of = [](const std::string& png) {
+    const std::size_t at = png.find("pHYs");
+    return at == std::string::npos ? "" : png.substr(at + 4, 8);
+  };
+  std::ofstream(folder_ / "cut.lcmlog") << slurp(kDemo).substr(0, 32000);
+  ASSERT_EQ(headpin("export cut.lcmlog --mcap cut.mcap --eyes").code, 0);
+  ASSERT_EQ(headpin("frames cut.lcmlog -o eyes --frames 0").code, 0);
+  const std::string expected = pixels_of(slurp(folder_ / "eyes/left_000000.png"));
+  ASSERT_EQ(expected.size(), 8u);
+  EXPECT_NE(expected.substr(0, 4), expected.substr(4));
+  int pictures = 0;
+  for (const McapMessage& message : ReadMcap(slurp(folder_ / "cut.mcap")).messages) {
+    if (message.topic != "/left_eye/image") continue;
+    EXPECT_EQ(pixels_of(message.data), expected);
+    ++pictures;
+  }
+  EXPECT_GT(pictures, 0);
+}
+
 TEST_F(Mcap, ATrialThatWasCutIsWrittenAsFarAsItGoes) {
   std::ofstream(folder_ / "cut.lcmlog") << slurp(kDemo).substr(0, 60000);
   const Result cut = headpin("export cut.lcmlog --mcap cut.mcap");
