@@ -84,7 +84,9 @@ std::string channels_page() {
 std::string json_page() {
   std::string out = fmt::format(
       "# Every key of `--json`\n\n{}A command prints one object on standard output, also when it "
-      "fails. The end of a name is the unit: `_s` seconds, `_m` metres,\n`_j` joules, `_hz` per "
+      "fails. Where standard output is the command's output (`-o -`), the object is on\nstandard error "
+      "from the moment in which the output begins; `plot` refuses `--json` with `-o -`. "
+      "The end of a name is the unit: `_s` seconds, `_m` metres,\n`_j` joules, `_hz` per "
       "second, `_mps` metres per second. A missing value is `null`. A name has the same meaning in "
       "all commands.\n\n| key | meaning |\n|---|---|\n",
       kWritten);
