@@ -131,9 +131,10 @@ std::vector<ChannelUse> channel_uses() {
        "`live`: the session's own trial while it runs, with the header every second, so that a "
        "recording by a logger is a trial"},
       {"HEAD_POSE", "rigid_transform_t",
-       "`stream`: pose of the display in the world, each good sample"},
+       "`stream`: pose of the display in the world, each good sample, walked as its row of "
+       "`trackers.csv` says"},
       {"HAND_POSE", "rigid_transform_t",
-       "`stream`: pose of the virtual hand in the world, each good sample"},
+       "`stream`: pose of the virtual hand in the world, each good sample, walked likewise"},
       {"HEADPIN_EYES", "image_array_t", "`live`: pictures of both eyes, each frame"},
       {"DRAKE_VIEWER_LOAD_ROBOT", "viewer_load_robot_t", "`live`: the bodies, every five seconds"},
       {"DRAKE_VIEWER_DRAW", "viewer_draw_t", "`live`: poses of the bodies, each frame"},

@@ -4,7 +4,9 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <span>
 #include <thread>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -36,20 +38,27 @@ class Follower {
  public:
   explicit Follower(const scene::Scenario& scenario) : scenario_(scenario) {}
 
-  /// Makes all ticks that begin before the sample is available, then stores it for the next tick.
-  void take(const devices::Sample& sample) {
-    const std::int64_t hz = scenario_.rates.physics_hz;
-    for (; tick_time(tick_ + 1, hz) < devices::available(sample); ++tick_) {
-      const Time now = tick_time(tick_ + 1, hz) - microseconds(scenario_.rig.delay_s);
-      scene::follow(player_, known_, scenario_, now);
-      scene::forget(player_, now);
-      known_.clear();
-    }
-    known_.push_back(sample);
+  /// Makes all ticks up to the time at which the samples are available, also the one of that time, which uses
+  /// them. Then the walk is that of the samples' rows in trackers.csv.
+  /// @param samples  all that are available at one time
+  void take(std::span<const devices::Sample> samples) {
+    const Time time = devices::available(samples.front());
+    while (next_tick() < time) step();
+    known_.insert(known_.end(), samples.begin(), samples.end());
+    while (next_tick() <= time) step();
   }
   Pose X_WP() const { return player_.walk.X_WP(); }
 
  private:
+  Time next_tick() const { return tick_time(tick_ + 1, scenario_.rates.physics_hz); }
+  void step() {
+    const Time now = next_tick() - microseconds(scenario_.rig.delay_s);
+    scene::follow(player_, known_, scenario_, now);
+    scene::forget(player_, now);
+    known_.clear();
+    ++tick_;
+  }
+
   const scene::Scenario& scenario_;
   scene::Player player_;
   std::vector<devices::Sample> known_;
@@ -115,6 +124,10 @@ class InOrder {
     }
     return at_ < samples_.size() ? &samples_[at_] : nullptr;
   }
+  /// All samples that are available at the time of the current one, if it is the first of them; else none.
+  std::span<const devices::Sample> new_ones() const {
+    return at_ == 0 ? std::span(samples_) : std::span<const devices::Sample>();
+  }
 
  private:
   scene::TrialPlayer player_;
@@ -170,7 +183,7 @@ Streamed publish_samples(const StreamOptions& options, const scene::TrialFile& f
       announced = Clock::now();
     }
     link.publish(*sample);
-    follower.take(*sample);
+    if (const auto new_ones = samples.new_ones(); !new_ones.empty()) follower.take(new_ones);
     publish_pose(link, scenario.rig, follower.X_WP(), *sample);
     ++done.sent;
   }
