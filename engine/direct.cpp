@@ -109,7 +109,9 @@ void add_rows_of(const Island& s, Direct& d, double compliance, const Touch& tou
     set(row.allowed - approach_of<other>(row, sa, sb), compliance / row.mass, row.impulse, 0.0);
   }
   if (!f) return;
-  const double load = load_of(s, solved), most = load > 0.0 ? touch.sliding.limit * load : 0.0;
+  const double load = load_of(s, solved);
+  const bool loaded = is_loaded(s, *f, load);
+  const double most = loaded ? touch.sliding.limit * load : 0.0;
   const Vec2 slip = slip_of<other>(*f, sa, sb);
   const Vec3 spin = other == Other::still ? sa.w_WB : Vec3(sa.w_WB - sb.w_WB);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -121,7 +123,7 @@ void add_rows_of(const Island& s, Direct& d, double compliance, const Touch& tou
   }
   if (f->twist_mass > 0.0) {
     add_row(d, DirectRow::single, touch, Vec3::Zero(), f->n, f->n);
-    set(f->n.dot(spin), compliance / f->twist_mass, f->twist, load > 0.0 ? most * f->reach : 0.0);
+    set(f->n.dot(spin), compliance / f->twist_mass, f->twist, loaded ? most * f->reach : 0.0);
     d.rows.back().softness[0] = f->twist_softness;
   }
   if (f->roll_arm == 0.0) return;
@@ -348,7 +350,7 @@ void apply(const Island& s, const DirectRow*& row, const Touch& touch, const Sol
   }
   if (!f) return;
   f->releases = 0;
-  f->carries = load_of(s, solved) > 0.0;
+  f->carries = is_loaded(s, *f, load_of(s, solved));
   const Vec2 F(row[0].impulse, row[1].impulse);
   row += 2;
   push_along<other>(s.bodies, touch, *f, F - f->impulse);

@@ -123,7 +123,8 @@ bool test_candidates(World& world, const Flight& flight, Touches& touches) {
   std::size_t last = 0;
   for (std::uint32_t k = 0; k < touches.candidates.size(); ++k) {
     const std::size_t had = touches.all.size();
-    const std::size_t count = add_touches(world, flight, k, 0.0, touches);
+    std::size_t count = add_touches(world, flight, k, 0.0, touches);
+    if (count == 0) count = look_ahead(world, flight, k, 0.0, touches);
     if (count == 0) continue;
     for (std::size_t n = had; n < had + count; ++n) {
       const Touch touch = touches.all[n];

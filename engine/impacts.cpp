@@ -188,7 +188,8 @@ class Queue {
   /// of the step, because it may meet with points that are not contact points yet.
   std::optional<Meeting> seen_early(Touch& touch) {
     const double trusted = trusted_for(world_, touch);
-    const bool to_the_end = trusted < kNever && follows_far_turns(world_.parameters);
+    const bool to_the_end = (trusted < kNever && follows_far_turns(world_.parameters)) ||
+                            shows_only_overlap(world_, touch.a, touch.b);
     if (!to_the_end && touch.time + trusted >= step_seconds(world_)) {
       return soonest(world_, flight_, touches_, touch, threshold(touch));
     }
@@ -215,11 +216,12 @@ class Queue {
       halt(touch.b);
       return false;
     }
+    const Touch before = touch;
     const std::optional<Meeting> meeting =
         find_meeting(world_, flight_, touches_, touch, threshold(touch));
     if (!meeting) {
-      touch.points = 0;  // they pass each other
       queued.due = kNever;
+      pass(touch, before);
       return false;
     }
     if (!w_.coming.empty() && meeting->time > w_.coming.front().first) {
@@ -240,6 +242,16 @@ class Queue {
     if (b_moves) turned(b, k);
     note(k);
     return false;
+  }
+
+  /// The two do not meet as an impact: what lasts is left of the touch as it was before.
+  void pass(Touch& touch, const Touch& before) {
+    touch.points = 0;
+    if (!leaves_out_what_lasts(world_.parameters)) return;
+    touch = before;
+    leave_out_fast(world_, flight_, touches_, touch, threshold(touch));
+    leave_out_what_passes(touch);
+    leave_what_lands_later(touch);
   }
 
   /// A body that has reached the limit of impacts stays at its last impact until the end of the
@@ -278,13 +290,13 @@ class Queue {
   }
 
   /// Searches for more bodies that a body may meet, if an impact made it faster than the search for
-  /// pairs assumed.
+  /// pairs assumed; always where bodies that were apart have no touch.
   void seek(BodyId i) {
     const State& state = world_.states[i];
     const Flyer& flyer = flight_.bodies[i];
     const Vec3 moved = state.X_WB.p - flight_.struck[flyer.place_struck].second.X_WB.p;
     const double far = (step_seconds(world_) - flyer.clock) * flyer.top_speed;
-    if (moved.norm() + far <= flyer.sought) return;
+    if (moved.norm() + far <= flyer.sought && !looks_ahead(world_.parameters)) return;
     const Roll& roll = world_.roll;
     for (const BodyId wall : roll.unbounded) meet_late(key_of(false, i, wall), i, wall);
     Capsule bounds_W = state.X_WB * world_.bodies[i].shape->bounds;
@@ -312,7 +324,10 @@ class Queue {
         known.empty() ? candidate_of(key, a, b) : touches_.all[known[0]].candidate;
     const double t = std::max(flight_.bodies[a].clock, flight_.bodies[b].clock);
     const std::size_t had = touches_.all.size();
-    if (add_touches(world_, flight_, candidate, t, touches_) == 0) return;
+    if (add_touches(world_, flight_, candidate, t, touches_) == 0 &&
+        look_ahead(world_, flight_, candidate, t, touches_) == 0) {
+      return;
+    }
     const auto is_known = [&](const Touch& touch) {
       return std::ranges::any_of(
           known, [&](std::uint32_t k) { return touches_.all[k].part == touch.part; });

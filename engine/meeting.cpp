@@ -24,18 +24,33 @@ Going going(const World& world, const Flight& flight, BodyId i, double t, const 
   return {position_at(world, flight, i, t), s.v_WB + passed * pull_on(world, flight, i), w_WB};
 }
 
+/// The two bodies of a touch, at its time.
+struct Two {
+  Two(const World& world, const Flight& flight, const Touch& touch)
+      : a(going(world, flight, touch.a, touch.time, touch.w_WA)),
+        b_moves(world.bodies[touch.b].kind != Kind::fixed),
+        b(b_moves ? going(world, flight, touch.b, touch.time, touch.w_WB) : Going{}) {}
+
+  /// Speed at which they approach each other at a point [m/s].
+  double approach(const ContactPoint& p) const {
+    Vec3 u = a.v_WB + a.w_WB.cross(p.p_W - a.p_WB);
+    if (b_moves) u = u - b.v_WB - b.w_WB.cross(p.p_W - b.p_WB);
+    return u.dot(p.n_AB_W);
+  }
+
+  Going a;
+  bool b_moves;
+  Going b;
+};
+
 }  // namespace
 
 std::optional<Meeting> soonest(const World& world, const Flight& flight, const Touches& touches,
                                const Touch& touch, double threshold) {
   std::optional<Meeting> best;
-  const Going a = going(world, flight, touch.a, touch.time, touch.w_WA);
-  const bool b_moves = world.bodies[touch.b].kind != Kind::fixed;
-  const Going b = b_moves ? going(world, flight, touch.b, touch.time, touch.w_WB) : Going{};
+  const Two two(world, flight, touch);
   for (const ContactPoint& p : points_of(touches, touch)) {
-    Vec3 u = a.v_WB + a.w_WB.cross(p.p_W - a.p_WB);
-    if (b_moves) u = u - b.v_WB - b.w_WB.cross(p.p_W - b.p_WB);
-    const double speed = u.dot(p.n_AB_W);
+    const double speed = two.approach(p);
     if (speed <= threshold) continue;
     const double gap = -p.depth;
     double t = gap / speed;
@@ -71,9 +86,32 @@ bool lands_later(const World& world, const Flight& flight, const Touch& touch,
 
 namespace {
 
-double deepest(const Touches& touches, const Touch& touch) {
+/// Points that are lasting contacts, which do not show when and where two bodies meet: those that are slow,
+/// and not deeper than that speed has brought them from a start of the search.
+struct Lasting {
+  Lasting(const World& world, const Flight& flight, const Touches& touches, const Touch& touch,
+          double threshold)
+      : start(touch.time), depth(world.parameters.slop), speed(threshold) {
+    if (!leaves_out_what_lasts(world.parameters)) speed = -1.0;  // none are left out
+    const Two two(world, flight, touch);
+    for (const ContactPoint& p : points_of(touches, touch)) {
+      if (std::abs(two.approach(p)) <= speed) depth = std::max(depth, p.depth);
+    }
+  }
+
+  double start, depth, speed;
+};
+
+/// Depth of the deepest point that is no lasting contact; -kNever without any [m].
+double deepest(const World& world, const Flight& flight, const Touches& touches, const Touch& touch,
+               const Lasting& lasting) {
   double depth = -kNever;
-  for (const ContactPoint& p : points_of(touches, touch)) depth = std::max(depth, p.depth);
+  const double still = lasting.depth + lasting.speed * (touch.time - lasting.start);
+  const Two two(world, flight, touch);
+  for (const ContactPoint& p : points_of(touches, touch)) {
+    if (p.depth <= still && std::abs(two.approach(p)) <= lasting.speed) continue;
+    depth = std::max(depth, p.depth);
+  }
   return depth;
 }
 
@@ -83,17 +121,19 @@ struct Apart {
 };
 
 /// Two bodies were apart `before` and now overlap: moves the touch back to the time when they meet.
-void go_back(World& world, const Flight& flight, Touches& touches, Touch& touch, Apart before) {
+void go_back(World& world, const Flight& flight, Touches& touches, Touch& touch,
+             const Lasting& lasting, Apart before) {
+  // Without a point the gap is not known; it is large, unless bodies that are apart have no points.
+  const double unknown = shows_only_overlap(world, touch.a, touch.b) ? 0.5 : 1.0;
   for (int k = 0; k < kBack; ++k) {
-    const double depth = deepest(touches, touch);
+    const double depth = deepest(world, flight, touches, touch, lasting);
     if (depth <= world.parameters.slop) return;
-    // Without a point the gap is not known, and large.
-    const double share = before.gap < kNever ? before.gap / (before.gap + depth) : 1.0;
+    const double share = before.gap < kNever ? before.gap / (before.gap + depth) : unknown;
     const double part = std::clamp(share, 0.1, 0.9);
     const double t = before.time + part * (touch.time - before.time);
     Touch probe = touch;
     look_again(world, flight, probe, t, touches);
-    const double gap = -deepest(touches, probe);
+    const double gap = -deepest(world, flight, touches, probe, lasting);
     if (gap > kMeets) {
       touches.points.resize(probe.first_point);
       before = {t, gap};
@@ -117,7 +157,9 @@ std::optional<Meeting> find_meeting(World& world, const Flight& flight, Touches&
   const int most = trusted < kNever ? kQueries + 2 * kTurns : kQueries;
   const double least = trusted < kNever ? step / most : 0.0;  // so that it reaches the end
   const bool turns_far = trusted < kNever, follows = follows_far_turns(world.parameters);
-  const bool to_the_end = turns_far && follows, goes_back = turns_far || follows;
+  const bool to_the_end = (turns_far && follows) || shows_only_overlap(world, touch.a, touch.b);
+  const bool goes_back = turns_far || follows;
+  const Lasting lasting(world, flight, touches, touch, threshold);
   std::optional<Meeting> m = soonest(world, flight, touches, touch, threshold);
   for (int k = 0; k < most; ++k) {
     if (m && (m->time <= touch.time || -m->point.depth <= kMeets)) {
@@ -130,14 +172,43 @@ std::optional<Meeting> find_meeting(World& world, const Flight& flight, Touches&
       if (!to_the_end || touch.time >= step) break;
       next = step;  // what turns may have come round by then
     }
-    const Apart before{touch.time, std::max(0.0, -deepest(touches, touch))};
-    const bool apart = deepest(touches, touch) <= world.parameters.slop;
+    const double depth = deepest(world, flight, touches, touch, lasting);
+    const Apart before{touch.time, std::max(0.0, -depth)};
+    const bool apart = depth <= world.parameters.slop;
     if (k > 0) touches.points.resize(touch.first_point);
     look_again(world, flight, touch, next, touches);
-    if (apart && goes_back) go_back(world, flight, touches, touch, before);
+    if (apart && goes_back) go_back(world, flight, touches, touch, lasting, before);
     m = soonest(world, flight, touches, touch, threshold);
   }
   return std::nullopt;
+}
+
+void leave_out_fast(const World& world, const Flight& flight, Touches& touches, Touch& touch,
+                    double threshold) {
+  const Two two(world, flight, touch);
+  const auto first = touches.points.begin() + touch.first_point;
+  const auto end = std::remove_if(first, first + touch.points, [&](const ContactPoint& p) {
+    return p.depth <= -kMeets && two.approach(p) > threshold;
+  });
+  touch.points = static_cast<std::uint32_t>(end - first);
+}
+
+std::size_t look_ahead(World& world, const Flight& flight, std::uint32_t candidate, double t,
+                       Touches& touches) {
+  const Candidate& c = touches.candidates[candidate];
+  if (!shows_only_overlap(world, c.a, c.b) || has_touch_for_each_part(world, c)) return 0;
+  Touch touch = touch_of(world, candidate, touches);
+  const double threshold = followed_speed(world, flight, touch.a, touch.b);
+  const double gravity = flight.fall / step_seconds(world);
+  if (flight.bodies[c.a].top_speed + flight.bodies[c.b].top_speed + gravity <= threshold) return 0;
+  touch.time = t;
+  touch.first_point = static_cast<std::uint32_t>(touches.points.size());
+  if (!find_meeting(world, flight, touches, touch, threshold)) {
+    touches.points.resize(touch.first_point);
+    return 0;
+  }
+  touches.all.push_back(touch);
+  return 1;
 }
 
 }  // namespace headpin::engine::detail

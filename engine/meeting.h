@@ -30,6 +30,17 @@ std::optional<Meeting> soonest(const World& world, const Flight& flight, const T
 std::optional<Meeting> find_meeting(World& world, const Flight& flight, Touches& touches,
                                     Touch& touch, double threshold);
 
+/// Removes the points that are apart and approach faster than `threshold`.
+void leave_out_fast(const World& world, const Flight& flight, Touches& touches, Touch& touch,
+                    double threshold);
+
+/// In the paper's mode, bodies that are apart have no contact points. Follows a candidate without touches
+/// from time `t` to the end of the step, and adds its touch if they meet as an impact.
+///
+/// @return  how many were added
+std::size_t look_ahead(World& world, const Flight& flight, std::uint32_t candidate, double t,
+                       Touches& touches);
+
 /// Whether two surfaces that are apart at the end of the step meet after it, as an impact.
 bool lands_later(const World& world, const Flight& flight, const Touch& touch,
                  const ContactPoint& p);

@@ -12,6 +12,9 @@ namespace headpin::engine::detail {
 /// separate, its friction could switch on and off without end.
 inline constexpr int kReleases = 4;
 
+/// A load that changes velocities by no more than this is rounding [m/s].
+inline constexpr double kRoundedLoad = 1e-9;
+
 /// Most islands are solved after this many passes. For the others, further passes are accelerated.
 inline constexpr int kPlainPasses = 8;
 
@@ -76,6 +79,12 @@ inline double load_of(const Island& s, const SolvedTouch& touch) {
   return load;
 }
 
+/// Whether a load is more than rounding.
+inline bool is_loaded(const Island& s, const FrictionRows& f, double load) {
+  const double least = rounds_loads(s.world.parameters) ? kRoundedLoad / f.yields : 0.0;
+  return load > least;
+}
+
 /// The impulse of at most this size that takes most energy: friction is then opposite to the slip
 /// that remains.
 ///
@@ -114,7 +123,7 @@ Vec2 slip_of(const FrictionRows& f, const State& sa, const State& sb) {
 template <Other other>
 double solve_friction(const Island& s, const Touch& touch, FrictionRows& f, double load) {
   const State &sa = s.bodies.states[touch.a], &sb = s.bodies.states[touch.b];
-  const bool carries = load > 0.0 && f.releases < kReleases;
+  const bool carries = is_loaded(s, f, load) && f.releases < kReleases;
   if (f.carries && !carries) ++f.releases;
   f.carries = carries;
   // One after the other, because slip, twist and rolling of one contact affect each other.

@@ -91,6 +91,24 @@ inline bool spreads_across(const Parameters& p) {
   return p.rules >= 10;
 }
 
+// Since rules 11: what is slow or far does not hide what is fast.
+
+/// A search for an impact leaves lasting contacts of the same two bodies out, and leaves them as they are.
+inline bool leaves_out_what_lasts(const Parameters& p) {
+  return p.rules >= 11;
+}
+
+/// Under the paper's detection bodies that are apart have no contact points; those that are about to meet are
+/// followed to the end of the step.
+inline bool looks_ahead(const Parameters& p) {
+  return p.rules >= 11 && p.query.mode == Query::paper;
+}
+
+/// Friction of the paper's law, which does not depend on the load, does not act by a load of rounding alone.
+inline bool rounds_loads(const Parameters& p) {
+  return p.rules >= 11;
+}
+
 /// The query with what older rules lack switched off.
 inline Query query_under(const Parameters& p) {
   Query query = p.query;

@@ -1,6 +1,7 @@
 #include "engine/touching.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/inlining.h"
 #include "engine/rules.h"
@@ -129,6 +130,30 @@ void keep_points_of(const World& world, const Candidate& c, const Touch& touch, 
   points.erase(std::remove_if(begin, points.end(), is_other), points.end());
 }
 
+bool shows_only_overlap(const World& world, BodyId a, BodyId b) {
+  if (!looks_ahead(world.parameters)) return false;
+  const auto converges = [&](const Body& body) {  // or has a closed form, with a half-space
+    return body.exact || !std::isfinite(body.shape->bounding_radius);
+  };
+  return !converges(world.bodies[a]) && !converges(world.bodies[b]);
+}
+
+Touch touch_of(const World& world, std::uint32_t candidate, const Touches& touches) {
+  const Candidate& c = touches.candidates[candidate];
+  const bool a_moves = is_mover(world, c.a), b_moves = is_mover(world, c.b);
+  const bool swapped = world.bodies[c.a].kind == Kind::fixed || (!a_moves && b_moves);
+  Touch touch;
+  touch.key = c.key;
+  touch.a = swapped ? c.b : c.a;
+  touch.b = swapped ? c.a : c.b;
+  touch.b_moves = a_moves && b_moves;
+  touch.b_driven = world.bodies[touch.b].kind == Kind::driven;
+  touch.candidate = candidate;
+  touch.fresh = true;
+  touch.pair = coefficients_of(world, touches, touch);
+  return touch;
+}
+
 std::size_t add_touches(World& world, const Flight& flight, std::uint32_t candidate, double t,
                         Touches& touches) {
   const Candidate& c = touches.candidates[candidate];
@@ -147,8 +172,8 @@ std::size_t add_touches(World& world, const Flight& flight, std::uint32_t candid
   }
   const std::size_t end = touches.points.size();
   if (end == first) return 0;
-  const bool a_moves = is_mover(world, c.a), b_moves = is_mover(world, c.b);
-  const bool swapped = world.bodies[c.a].kind == Kind::fixed || (!a_moves && b_moves);
+  const Touch made = touch_of(world, candidate, touches);
+  const bool swapped = made.a != c.a;
   const std::span<ContactPoint> points = std::span(touches.points).subspan(first);
   if (swapped) turn_normals(points);
   const bool each_part = has_touch_for_each_part(world, c);
@@ -156,21 +181,14 @@ std::size_t add_touches(World& world, const Flight& flight, std::uint32_t candid
   if (each_part) std::ranges::stable_sort(points, {}, part);
   const std::size_t had = touches.all.size();
   for (std::size_t k = first; k < end;) {
-    Touch& touch = touches.all.emplace_back();
-    touch.key = c.key;
+    Touch& touch = touches.all.emplace_back(made);
     touch.part = part(touches.points[k]);
-    touch.a = swapped ? c.b : c.a;
-    touch.b = swapped ? c.a : c.b;
-    touch.b_moves = a_moves && b_moves;
-    touch.b_driven = world.bodies[touch.b].kind == Kind::driven;
-    touch.candidate = candidate;
     touch.first_point = static_cast<std::uint32_t>(k);
     while (k < end && part(touches.points[k]) == touch.part) ++k;
     touch.points = static_cast<std::uint32_t>(k - touch.first_point);
     touch.time = t;
     touch.w_WA = swapped ? w_WB : w_WA;
     touch.w_WB = swapped ? w_WA : w_WB;
-    touch.fresh = true;
     touch.pair = coefficients_of(world, touches, touch);
   }
   return touches.all.size() - had;

@@ -28,6 +28,12 @@ bool has_touch_for_each_part(const World& world, const Candidate& c);
 void keep_points_of(const World& world, const Candidate& c, const Touch& touch, std::size_t first,
                     std::vector<ContactPoint>& points);
 
+/// Whether two bodies have no contact points while they are apart, so that an impact has to be looked for.
+bool shows_only_overlap(const World& world, BodyId a, BodyId b);
+
+/// A touch of a candidate's bodies, without points yet.
+Touch touch_of(const World& world, std::uint32_t candidate, const Touches& touches);
+
 /// Looks for contact points of a candidate at time `t` of the step; appends its touches, if there are
 /// any points.
 ///

@@ -49,7 +49,7 @@ struct Parameters {
   double sleep_speed = 0.01;  ///< [m/s]
   double sleep_spin = 0.03;   ///< [rad/s]
   double sleep_after = 0.25;  ///< [s]
-  int rules = 10;             ///< 1 to 9 are those of older trials; what they lack is in rules.h
+  int rules = 11;             ///< 1 to 10 are those of older trials; what they lack is in rules.h
   bool keep_ledger = false;   ///< `World::ledger`; costs about a tenth of a step
 };
 

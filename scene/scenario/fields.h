@@ -223,8 +223,8 @@ void visit(V& v, Collision& c) {
           "sleeping: bodies at rest are not simulated until something touches them. Skittles begin "
           "asleep; without sleeping they stay awake from their first touch on");
   v.field(
-      "rules", c.rules, Range{1, 10},
-      "rules of the simulation step. 10: today's; 9: as before, with hops where flat parts of a floor join, and one touch for all parts of a fixed body, which pushes and brakes what rolls past its parts; 8: also with a skittle of a mesh turned until its principal axes are those of the world, otherwise than it is drawn; 7: also with no friction, or one in a random direction, under the response coulomb where bodies meet without a slip; 6: also with the paper's detection against lanes with gutters, kick-backs and panels, which balls went through; "
+      "rules", c.rules, Range{1, 11},
+      "rules of the simulation step. 11: today's; 10: as before, with impacts that a slow contact of the same two bodies hides, and, with the paper's detection, impacts of bodies that were apart a step late and too deep; 9: also with hops where flat parts of a floor join, and one touch for all parts of a fixed body, which pushes and brakes what rolls past its parts; 8: also with a skittle of a mesh turned until its principal axes are those of the world, otherwise than it is drawn; 7: also with no friction, or one in a random direction, under the response coulomb where bodies meet without a slip; 6: also with the paper's detection against lanes with gutters, kick-backs and panels, which balls went through; "
       "5: also with bodies that slide under the response coulomb up to half a step "
       "behind; 4: also with a search for every part of a body over a single face, and upright pins on three points of a floor without gutters; 3: also with crowds that creep and fall, "
       "and friction not quite opposite to the slip; 2: also with errors for bodies that turn far "
