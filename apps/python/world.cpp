@@ -372,10 +372,11 @@ void add_world_views(py::class_<PyWorld>& c) {
                              "(3,) [m],\nnormal (3,) from a to b, impulse (3,) on a [N s], "
                              "approach_speed [m/s], first "
                              "(they had not met before).")
-      .def("contacts", contacts, "margin"_a = 0.0,
-           "Contact points now: structured array of a, b, position (3,) [m], normal (3,) from a to "
-           "b, "
-           "depth [m].\n\nmargin: gaps up to this are included, with negative depth [m].")
+      .def(
+          "contacts", contacts, "margin"_a = 0.0,
+          "Contact points now: structured array of a, b, position (3,) [m], normal (3,) from a to "
+          "b, "
+          "depth [m].\n\nmargin: gaps up to this are included, with negative depth [m]. Under the paper's detection, bodies that\nare apart have no points, except on a half-space or an exact body.")
       .def_property_readonly("statistics", statistics, "Dict of counts of the last step.")
       .def_property_readonly(
           "balance", [](PyWorld& w) { return in_python(balance(w.get())); },
