@@ -92,12 +92,31 @@ struct Carried {
   Motion motion;
 };
 
+/// The carried body in a hand with this pose and motion.
+Carried in_hand(const Player& player, const Hand& hand, const Pose& X_WH, const Motion& motion) {
+  return {{{X_WH.q * player.held->q_HB, X_WH * hand.grip}, motion.V_WB.v, motion.V_WB.w}, motion};
+}
+
 /// The carried body at `time`, not later than `now`.
 Carried carried(const Player& player, const Scenario& scenario, Time time, Time now) {
   const Hand& hand = scenario.hand;
   const Pose X_WH = *hand_at(player, time, now);
-  const Motion motion = hand_motion(player, scenario, hand.grip, time);
-  return {{{X_WH.q * player.held->q_HB, X_WH * hand.grip}, motion.V_WB.v, motion.V_WB.w}, motion};
+  return in_hand(player, hand, X_WH, hand_motion(player, scenario, hand.grip, time));
+}
+
+/// Rules 1 to 10 left impossible samples out of the velocity alone: the body left from where such a
+/// sample showed the hand.
+bool places_by_possible_samples(const Scenario& scenario) {
+  return scenario.collision.rules >= 11;
+}
+
+/// The carried body at the time of its release, where samples that are left out do not count.
+Carried at_release(const Player& player, const Scenario& scenario, Time time, Time now) {
+  const Carried held = carried(player, scenario, time, now);
+  const Motion& motion = held.motion;
+  if (motion.left_out == 0 || !motion.X_PH || !places_by_possible_samples(scenario)) return held;
+  const Pose X_WH = player.walk.X_WP(seconds(now - time)) * *motion.X_PH;
+  return in_hand(player, scenario.hand, X_WH, motion);
 }
 
 /// The state from which a driven body reaches this pose at the end of the tick.
@@ -178,7 +197,7 @@ Carried changed(Carried carried, const ReleaseChange& by, double board) {
 /// The body as it leaves the hand, with all that the scenario and the player change.
 Carried let_go(const Player& player, const Tick& tick, Time time, Time now) {
   const Scenario& scenario = tick.stage.scenario;
-  const Carried held = carried(player, scenario, time, now);
+  const Carried held = at_release(player, scenario, time, now);
   if (tick.stage.roles[player.held->body] != Role::ball) return held;
   const double board = scenario.lane.width / kBoards;
   const Carried own = from_fingers(held, player, scenario.hand);

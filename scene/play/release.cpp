@@ -253,14 +253,14 @@ Time away(const Track& track, Time at) {
   return since + until <= kHole ? Time{} : std::min(since, until);
 }
 
-Quat orientation_at(const Track& track, Time at) {
+/// The pose at a time: interpolated between two samples, and held before the first and after the last.
+Pose pose_at(const Track& track, Time at) {
   const auto after = std::ranges::lower_bound(track, at, {}, &Stamped<Pose>::time);
-  if (after == track.end()) return track.back().value.q;
-  if (after == track.begin()) return after->value.q;
+  if (after == track.end()) return track.back().value;
+  if (after == track.begin()) return after->value;
   const Stamped<Pose>& before = *(after - 1);
   return interpolate(before.value, after->value,
-                     seconds(at - before.time) / seconds(after->time - before.time))
-      .q;
+                     seconds(at - before.time) / seconds(after->time - before.time));
 }
 
 /// The two fits of a track at a time, over the shortest window that is accurate enough.
@@ -304,8 +304,8 @@ Motion motion_at(std::span<const Stamped<Pose>> track, Time at, const Vec3& p_HB
   while (near.track.size() >= 2) {
     const Time last = near.track.back().time;
     const Time there = std::min(at, last + kFollowed);
-    const Quat q_WH = orientation_at(near.track, there);
-    const Fits found = fits(near.track, there, q_WH, window);
+    const Pose X_PH = pose_at(near.track, there);
+    const Fits found = fits(near.track, there, X_PH.q, window);
     const auto leave_out = [&](const Fit& fit) {
       near.track.erase(near.track.begin() + static_cast<std::ptrdiff_t>(fit.worst));
       ++near.left_out;
@@ -315,10 +315,11 @@ Motion motion_at(std::span<const Stamped<Pose>> track, Time at, const Vec3& p_HB
     } else if (found.turn.alone && found.turn.off > kOffTurn) {
       leave_out(found.turn);
     } else {
-      Motion motion{{found.path.slope + found.turn.slope.cross(q_WH * p_HB), found.turn.slope},
+      Motion motion{{found.path.slope + found.turn.slope.cross(X_PH.q * p_HB), found.turn.slope},
                     Known::tracked,
                     away(near.track, at),
-                    near.left_out};
+                    near.left_out,
+                    X_PH};
       if (motion.extrapolated > window.least || !(motion.V_WB.v.norm() <= kFastestHand)) break;
       if (motion.extrapolated > Time{}) motion.known = Known::extrapolated;
       return motion;
@@ -326,6 +327,7 @@ Motion motion_at(std::span<const Stamped<Pose>> track, Time at, const Vec3& p_HB
   }
   Motion none;
   none.left_out = near.left_out;
+  if (!near.track.empty()) none.X_PH = pose_at(near.track, at);
   return none;
 }
 

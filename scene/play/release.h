@@ -7,7 +7,7 @@
 #include "scene/play/hand.h"
 #include "scene/record/details.h"
 
-/// Velocity and spin of the ball at the time of the trigger, and how they are known.
+/// Velocity and spin of the ball at the time of the trigger, how they are known, and the hand's pose.
 namespace headpin::scene {
 
 /// Longest delay of a sample: that of a Fastrak at 115200 baud.
@@ -28,7 +28,8 @@ inline Time told_until(Time time, double before_s) {
 /// `window.most` if the tracker is noisy. Samples that a hand cannot reach from their neighbours
 /// are left out, and so is one that disagrees with the fit of all others. Without a sample after
 /// the time, the fit is extrapolated for 30 ms after the last sample; then the velocity stays
-/// constant. A sample older than `window.least` is not used.
+/// constant. A sample older than `window.least` is not used. The pose is that between the samples
+/// that are used; it is not extrapolated, and there is none where no sample is used.
 ///
 /// @param track  hand poses X_PH in the tracked space, oldest first, as far as they are known; the
 ///               motion is in that space too, and the walk is to be added

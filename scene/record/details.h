@@ -37,6 +37,8 @@ struct Motion {
   Known known = Known::impossible;
   Time extrapolated{};  ///< time of the extrapolation
   int left_out = 0;     ///< samples that disagree with the others
+  /// The hand at that time, as if the samples that are left out had not come. An event does not have it.
+  std::optional<Pose> X_PH = {};
 };
 
 /// "tracked"; "extrapolated by 12 ms, 1 sample left out".

@@ -343,9 +343,18 @@ struct Played {
   double carried_off = 0.0;  ///< furthest that the ball was from the hand's grip at a tick [m]
 };
 
-Played play(const KnownSwing& swing, double release_s, double delay_s, ReleaseAt release_at) {
+/// A sample that shows the hand elsewhere than it is.
+struct BadSample {
+  int number = -1;          ///< of the samples of the session; -1: none
+  Pose off = {};            ///< from where the hand is [m]
+  std::int64_t rules = 11;  ///< `collision.rules`
+};
+
+Played play(const KnownSwing& swing, double release_s, double delay_s, ReleaseAt release_at,
+            const BadSample& bad = {}) {
   constexpr double kStart = 1.0;  // s, of the swing
   Scenario scenario;
+  scenario.collision.rules = bad.rules;
   scenario.rig.delay_s = delay_s;
   scenario.hand.release_at = release_at;
   scenario.hand.solid = false;
@@ -358,6 +367,9 @@ Played play(const KnownSwing& swing, double release_s, double delay_s, ReleaseAt
     hand.sequence = i;
     hand.station = devices::kHandStation;
     hand.X_TS = swing.hand(std::max(0.0, seconds(hand.device_time) - kStart));
+    if (i == bad.number) {
+      hand.X_TS = {hand.X_TS.q * bad.off.q, hand.X_TS.p + bad.off.p};
+    }
     samples.emplace_back(hand);
   }
   samples.emplace_back(devices::MouseSample{.device_time = Time{300'000}, .trigger = true});
@@ -407,6 +419,49 @@ TEST(AThrow, LeavesAtTheTimeOfTheTriggerFromWhereTheHandIs) {
     // 4 mm: between two samples the hand is read on the chord of its arc.
     EXPECT_LT((ball.X_WB.p - (straight.ball(at, grip) + flown * v)).norm(), 0.004);
   }
+}
+
+// The last sample before the trigger shows the hand half a metre ahead, or turned by a radian. The ball leaves
+// from the chord over two intervals of 60 Hz instead: at 90 m/s2 that is 12 mm beside the arc.
+TEST(AThrow, LeavesFromWhereTheHandIsAlsoWhereASampleThatIsLeftOutShowedItElsewhere) {
+  const KnownSwing straight = known_swings().front().second;
+  const Vec3 grip = Hand{}.grip;
+  const double at = straight.release;
+  const int last = static_cast<int>(std::floor((1.0 + at) * 60.0));
+  for (const Pose& off : {Pose{Quat::Identity(), Vec3(0.0, 0.5, 0.0)},
+                          Pose{rotation(Vec3(1.0, 0.0, 0.0)), Vec3::Zero()}}) {
+    const Played good = play(straight, at, 0.025, ReleaseAt::trigger, {last, off, 11});
+    const Played old = play(straight, at, 0.025, ReleaseAt::trigger, {last, off, 10});
+    const std::optional<Motion> motion = motion_of(good.release.detail);
+    ASSERT_TRUE(motion);
+    EXPECT_EQ(motion->left_out, 1);
+    const Vec3 v = straight.velocity(at, grip);
+    EXPECT_LT((good.release.p_W - straight.ball(at, grip)).norm(), 0.015);
+    EXPECT_GT((old.release.p_W - straight.ball(at, grip)).norm(), 0.03);
+    EXPECT_LT((motion->V_WB.v - v).norm(), 0.3);
+  }
+}
+
+// The hand's pose is the one between the samples that are used, and held where none is later.
+TEST(MotionAtTheTrigger, HasThePoseBetweenTheSamplesThatAreNotLeftOut) {
+  std::vector<Stamped<Pose>> track;
+  for (int i = 0; i < 12; ++i) {
+    track.push_back({Time{10'000 * i}, {Quat::Identity(), Vec3(0.0, 0.05 * i, 1.0)}});
+  }
+  const Time at{94'000};
+  const Vec3 p(0.0, 0.47, 1.0);
+  EXPECT_LT((motion_at(track, at, Vec3::Zero(), window()).X_PH->p - p).norm(), 1e-12);
+  track[9].value.p.x() += 2.0;
+  const Motion found = motion_at(track, at, Vec3::Zero(), window());
+  EXPECT_EQ(found.left_out, 1);
+  ASSERT_TRUE(found.X_PH);
+  EXPECT_LT((found.X_PH->p - p).norm(), 1e-12);
+  track.resize(10);  // the last one is the bad one: the one before it holds
+  const Motion held = motion_at(track, at, Vec3::Zero(), window());
+  EXPECT_EQ(held.left_out, 1);
+  ASSERT_TRUE(held.X_PH);
+  EXPECT_EQ(held.X_PH->p, track[8].value.p);
+  EXPECT_FALSE(motion_at({}, at, Vec3::Zero(), window()).X_PH);
 }
 
 TEST(AThrow, OfAnOldTrialIsATickAheadOfTheHandAndDoesNotSayHowItIsKnown) {
