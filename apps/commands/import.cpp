@@ -60,7 +60,7 @@ std::vector<std::string> doubts_about(const Thrown& thrown, const scene::Throw& 
                     "have fallen; `replay --each-throw` goes on",
                     after));
   }
-  std::ranges::move(scene::doubts(thrown.recording), std::back_inserter(all));
+  std::ranges::move(scene::doubts(thrown.recording, found), std::back_inserter(all));
   return all;
 }
 
@@ -185,6 +185,12 @@ void import_head(const ImportOptions& options, const scene::Scenario& base,
       recording.times.size(), duration);
 }
 
+/// How the ball's velocity is known, where no sample is on one side of the release.
+std::string unless_tracked(const scene::Throw& found) {
+  if (found.known == scene::Known::tracked) return "";
+  return ", " + scene::in_words({.known = found.known, .extrapolated = found.extrapolated});
+}
+
 /// Imports one throw. Seconds are rounded to the stamp: 3.035 and not 3.0349999999999997.
 void import_throw(const ImportOptions& options) {
   const scene::Scenario base = room_of(options);
@@ -242,12 +248,12 @@ void import_throw(const ImportOptions& options) {
       "  peak hand speed    {:.2f} m/s\n"
       "  grab{}        {:.3f} s\n"
       "  release{}     {:.3f} s\n"
-      "  ball at release    {:.2f} m/s\n",
+      "  ball at release    {:.2f} m/s{}\n",
       *options.output, samples,
       recording.left_hand.empty() || recording.right_hand.empty() ? "one hand" : "both hands",
       found.side == scene::Side::left ? "left" : "right", duration, rate, found.peak_hand_speed,
       found.by_trigger ? "       " : ", found", grab, found.by_trigger ? "       " : ", found",
-      release, speed);
+      release, speed, unless_tracked(found));
 }
 
 /// A trial is written, or with --explain a file of columns.

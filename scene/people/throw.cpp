@@ -169,7 +169,10 @@ Throw find_throw(const MotionRecording& r, const Hand& hand, Side side) {
   found.release_time = r.times[found.release];
   take_trigger(r, r.times[fastest], found);
   if (found.release_time - window.least >= r.times.front()) {
-    found.V_TB = ball_velocity(r, found.release_time, side, grip_of(hand, side), hand);
+    const Motion ball = ball_motion(r, found.release_time, side, grip_of(hand, side), hand);
+    found.V_TB = ball.V_WB;
+    found.known = ball.known;
+    found.extrapolated = ball.extrapolated;
   }
   return found;
 }

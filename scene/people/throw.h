@@ -7,6 +7,7 @@
 
 #include "devices/base/sample.h"
 #include "devices/recordings/motion_recording.h"
+#include "scene/record/details.h"
 #include "scene/scenario/scenario.h"
 
 /// Throws in recordings without buttons: finding grab and release, checking that it is a person's
@@ -25,8 +26,10 @@ struct Throw {
   Time grab_time{};         ///< of that sample, or when the trigger was pressed
   Time release_time{};
   bool by_trigger = false;  ///< the recording has a trigger: samples are the last before its times
-  double peak_hand_speed = 0.0;  ///< between neighbours of a sample [m/s]
-  Twist V_TB;                    ///< velocity of the ball at its release
+  double peak_hand_speed = 0.0;     ///< between neighbours of a sample [m/s]
+  Twist V_TB;                       ///< velocity of the ball at its release
+  Known known = Known::impossible;  ///< how that is known; impossible: it is zero
+  Time extrapolated{};              ///< by how much it is extrapolated
 };
 
 /// The hand that throws.

@@ -270,9 +270,51 @@ double repeated(const MotionRecording& r, const std::vector<Pose>& hand) {
   return all == 0 ? 0.0 : static_cast<double>(same) / static_cast<double>(all);
 }
 
+/// The longest time between two neighbouring samples, and the first of both.
+struct Gap {
+  Time length{};
+  std::size_t from = 0;
+};
+
+/// The longest gap that reaches into [from, until].
+Gap longest_gap(const std::vector<Time>& times, Time from, Time until) {
+  Gap longest;
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    if (times[i] < from || times[i - 1] > until) continue;
+    const Time length = times[i] - times[i - 1];
+    if (length > longest.length) longest = {length, i - 1};
+  }
+  return longest;
+}
+
+/// What is said of the longest gap of all, and of the longest among the samples that the release uses
+/// (docs/release.md).
+void doubt_gaps(const MotionRecording& r, const Throw& found, std::vector<std::string>& said) {
+  constexpr Time kBefore{120'000}, kAfter{40'000};
+  const auto add = [&](const Gap& gap, std::string_view what) {
+    said.push_back(fmt::format("no samples for {:.3g} s from {:.3g} s{}", seconds(gap.length),
+                               seconds(r.times[gap.from]), what));
+  };
+  const Gap at_release =
+      longest_gap(r.times, found.release_time - kBefore, found.release_time + kAfter);
+  const Gap longest = longest_gap(r.times, r.times.front(), r.times.back());
+  const bool is_near = seconds(at_release.length) > kUsualGap;
+  if (is_near && found.known == Known::extrapolated) {
+    add(at_release,
+        fmt::format(
+            ", at the release: the ball's velocity is extrapolated by {:.0f} ms and less certain",
+            1e3 * seconds(found.extrapolated)));
+  } else if (is_near) {
+    add(at_release, ", at the release: the ball's velocity is less certain");
+  }
+  const bool told = is_near && longest.from == at_release.from;
+  if (!told && seconds(longest.length) > kUsualGap)
+    add(longest, ": the motion there is interpolated");
+}
+
 }  // namespace
 
-std::vector<std::string> doubts(const MotionRecording& r) {
+std::vector<std::string> doubts(const MotionRecording& r, const Throw& found) {
   std::vector<std::string> said;
   const std::size_t n = r.times.size();
   if (n < 2) return said;
@@ -281,17 +323,7 @@ std::vector<std::string> doubts(const MotionRecording& r) {
     said.push_back(fmt::format("{:.3g} samples per second: below {} the release is less accurate",
                                rate, kUsualRate));
   }
-  double longest = 0.0;
-  std::size_t at = 0;
-  for (std::size_t i = 1; i < n; ++i) {
-    const double gap = seconds(r.times[i] - r.times[i - 1]);
-    if (gap > longest) longest = gap, at = i - 1;
-  }
-  if (longest > kUsualGap) {
-    said.push_back(
-        fmt::format("no samples for {:.3g} s from {:.3g} s: the motion there is interpolated",
-                    longest, seconds(r.times[at])));
-  }
+  doubt_gaps(r, found, said);
   for (const auto& [hand, name] : {std::pair{&r.left_hand, "left"}, {&r.right_hand, "right"}}) {
     const double share = repeated(r, *hand);
     if (share < kMostRepeated) continue;

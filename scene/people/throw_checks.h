@@ -18,7 +18,9 @@ std::vector<std::string> why_no_throw(const devices::MotionRecording& recording,
 
 /// Reasons why the release is less accurate: a low sample rate, long gaps, repeated poses. Sentences; empty for a
 /// good recording.
-std::vector<std::string> doubts(const devices::MotionRecording& recording);
+///
+/// @param found  its throw, as find_throw() finds it
+std::vector<std::string> doubts(const devices::MotionRecording& recording, const Throw& found);
 
 /// The hand with which the recording is a person's throw; or else the faster hand.
 Side throwing_side(const devices::MotionRecording& recording, const Hand& hand);

@@ -36,8 +36,8 @@ Vec3 velocity(const std::vector<Time>& times, const std::vector<Pose>& track, st
   return (track[after].p - track[before].p) / seconds(times[after] - times[before]);
 }
 
-Twist ball_velocity(const MotionRecording& r, Time release, Side side, const Vec3& p_HB,
-                    const Hand& rules) {
+Motion ball_motion(const MotionRecording& r, Time release, Side side, const Vec3& p_HB,
+                   const Hand& rules) {
   const std::vector<Pose>& hand = throwing_hand(r, side);
   const ReleaseWindow window = release_window(rules);
   const bool after = rules.release_at == ReleaseAt::trigger;
@@ -47,12 +47,12 @@ Twist ball_velocity(const MotionRecording& r, Time release, Side side, const Vec
     if (release - r.times[i] > window.longest() || r.times[i] > last) continue;
     track.push_back({r.times[i], hand[i]});
   }
-  return after ? motion_at(track, release, p_HB, window).V_WB
-               : release_velocity(track, p_HB, window);
+  if (after) return motion_at(track, release, p_HB, window);
+  return {.V_WB = release_velocity(track, p_HB, window), .known = Known::tracked};
 }
 
 Vec3 hand_velocity_at(const MotionRecording& r, const Throw& found, const Hand& hand) {
-  return ball_velocity(r, found.release_time, found.side, Vec3::Zero(), hand).v;
+  return ball_motion(r, found.release_time, found.side, Vec3::Zero(), hand).V_WB.v;
 }
 
 std::pair<std::size_t, std::size_t> samples_of_swing(const MotionRecording& r, const Throw& found) {

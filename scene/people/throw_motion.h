@@ -28,10 +28,10 @@ Vec3 velocity(const std::vector<Time>& times, const std::vector<Pose>& track, st
 /// The largest speed between neighbours of a sample.
 double fastest(const devices::MotionRecording& r, const std::vector<Pose>& track);
 
-/// Velocity of a ball held at p_HB, at its release, computed like in a session that uses each pose
-/// kReadLate after its sample.
-Twist ball_velocity(const devices::MotionRecording& r, Time release, Side side, const Vec3& p_HB,
-                    const Hand& rules);
+/// Motion of a ball held at p_HB, at its release, in the recording's frame; computed like in a session that uses
+/// each pose kReadLate after its sample.
+Motion ball_motion(const devices::MotionRecording& r, Time release, Side side, const Vec3& p_HB,
+                   const Hand& rules);
 
 /// Velocity of the hand at the release, with the same fit as for the ball.
 Vec3 hand_velocity_at(const devices::MotionRecording& r, const Throw& found, const Hand& hand);

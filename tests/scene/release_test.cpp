@@ -345,16 +345,16 @@ struct Played {
 
 /// A sample that shows the hand elsewhere than it is.
 struct BadSample {
-  int number = -1;          ///< of the samples of the session; -1: none
-  Pose off = {};            ///< from where the hand is [m]
-  std::int64_t rules = 11;  ///< `collision.rules`
+  int number = -1;                ///< of the samples of the session; -1: none
+  Pose off = {};                  ///< from where the hand is [m]
+  std::optional<int> rules = {};  ///< `collision.rules`; else the scenario's
 };
 
 Played play(const KnownSwing& swing, double release_s, double delay_s, ReleaseAt release_at,
             const BadSample& bad = {}) {
   constexpr double kStart = 1.0;  // s, of the swing
   Scenario scenario;
-  scenario.collision.rules = bad.rules;
+  scenario.collision.rules = bad.rules.value_or(scenario.collision.rules);
   scenario.rig.delay_s = delay_s;
   scenario.hand.release_at = release_at;
   scenario.hand.solid = false;
