@@ -211,9 +211,7 @@ class Rows {
     for (; table_.next(); ++row) {
       const std::optional<double> time =
           columns_.latency ? number(*columns_.latency) : static_cast<double>(row) / frame_.rate_hz;
-      if (time && std::abs(*time) > 1e9) {
-        table_.fail(fmt::format("LATENCY: {} is out of range", *time));
-      }
+      if (time) table_.require_time("LATENCY", *time);
       for (std::size_t i = 0; i < read_.tracks.size(); ++i) take(i, time);
     }
     tell_unturned(row);

@@ -76,6 +76,12 @@ double TextTable::number(std::size_t column) const {
   return number;
 }
 
+void TextTable::require_time(std::string_view column, double time) const {
+  constexpr double kFurthest = 1e10;
+  if (std::abs(time) <= kFurthest) return;
+  fail(fmt::format("{}: expected -1e10 to 1e10 s, found {:g}", column, time));
+}
+
 void TextTable::fail(const std::string& what) const {
   throw std::invalid_argument(fmt::format("{}:{}: {}", where_, line_, what));
 }

@@ -38,6 +38,12 @@ class TextTable {
   /// @throws std::invalid_argument  when it is no finite number
   double number(std::size_t column) const;
 
+  /// Refuses a time that is more than 1e10 s from 0: Unix times are taken, in seconds.
+  /// @param column  its name
+  /// @param time    [s]
+  /// @throws std::invalid_argument
+  void require_time(std::string_view column, double time) const;
+
   /// @throws std::invalid_argument  naming file and line
   [[noreturn]] void fail(const std::string& what) const;
 

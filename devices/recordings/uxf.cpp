@@ -38,7 +38,7 @@ PoseTrack parse_uxf(std::string_view text, std::string_view where,
   while (table.next()) {
     const auto value = [&](std::size_t i) { return table.number(at[i]); };
     const double time = value(0);
-    if (std::abs(time) > 1e9) table.fail(fmt::format("time: {} is out of range", time));
+    table.require_time("time", time);
     for (std::size_t i = 4; i < 7; ++i) {
       if (std::abs(value(i)) > 1e6) table.fail(fmt::format("{}: expected degrees", kColumns[i]));
     }

@@ -60,6 +60,8 @@ TEST(MotionFiles, ABadTrackerFileIsRefusedByItsLine) {
   EXPECT_THAT(said(head + "0,1,2,3,4,5,1e300\n"), HasSubstr("rot_z: expected degrees"));
   EXPECT_THAT(said(head + "1,1,2,3,4,5,6\n0.9,1,2,3,4,5,6\n"), HasSubstr("time must advance"));
   EXPECT_EQ(said(head + "0,1,2,3,4,5,6,\n"), "");  // an empty last cell
+  EXPECT_THAT(said(head + "1.7e12,1,2,3,4,5,6\n"),
+              HasSubstr("x.csv:2: time: expected -1e10 to 1e10 s, found 1.7e+12"));
 }
 
 // Unity writes a frame twice now and then.
@@ -141,6 +143,21 @@ TEST(MotionFiles, MotionBidsIsReadByItsChannels) {
   EXPECT_THAT(said(row, channels.replace(channels.find("LATENCY"), 7, "MISC")),
               HasSubstr("no times: expected a LATENCY channel, or SamplingFrequency"));
   EXPECT_THAT(said(row, "name\n"), HasSubstr("column component is missing"));
+}
+
+// Seconds since 1970 need ten digits.
+TEST(MotionFiles, UnixTimesAreTimes) {
+  std::vector<std::string> notes;
+  const PoseTrack track = parse_uxf(
+      "time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z\n1700000000.25,1,2,3,0,0,0\n", "x.csv", notes);
+  EXPECT_EQ(track.samples().at(0).time, Time{1'700'000'000'250'000});
+  const std::string pose = "\t1\t2\t3\t0\t0\t0\t1\t9\n";
+  const auto read = [&](const std::string& time) {
+    return parse_motion_bids(time + pose, kChannels, "x", {.axes = "RSP"}).tracks.at(0).second;
+  };
+  EXPECT_EQ(read("1700000000.25").samples().at(0).time, Time{1'700'000'000'250'000});
+  EXPECT_THAT(complaint([&] { read("-2e10"); }),
+              HasSubstr("LATENCY: expected -1e10 to 1e10 s, found -2e+10"));
 }
 
 // What a recording lacks for a moment is no reason to refuse the rest of it.
