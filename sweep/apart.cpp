@@ -231,9 +231,10 @@ void Apart::note_events(const scene::Session& session, bool is_b) {
       if (!contacts_[!is_b][i]) continue;
       const Time at_a = *contacts_[0][i], at_b = *contacts_[1][i];
       if (bodies_[i].contact) continue;
-      const double ms = 1e3 * std::abs(seconds(at_b - at_a));
+      const double ms = 1e3 * nearest_seconds(std::chrono::abs(at_b - at_a));
       Difference& contact = bodies_[i].contact.emplace();
-      contact = {seconds(at_a), seconds(at_b), ms, ms / kContact.value, std::max(at_a, at_b), {}};
+      contact = {nearest_seconds(at_a), nearest_seconds(at_b), ms,
+                 ms / kContact.value,   std::max(at_a, at_b),  {}};
       if (contact.times > 1.0) contact.first = contact.at;
     }
   }

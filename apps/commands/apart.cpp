@@ -55,8 +55,8 @@ nlohmann::ordered_json to_json(const sweep::Difference& difference) {
           {"b", difference.b},
           {"size", difference.size},
           {"times", difference.times},
-          {"at_s", seconds(difference.at)},
-          {"first_s", difference.first ? nlohmann::ordered_json(seconds(*difference.first))
+          {"at_s", nearest_seconds(difference.at)},
+          {"first_s", difference.first ? nlohmann::ordered_json(nearest_seconds(*difference.first))
                                        : nlohmann::ordered_json()}};
 }
 
@@ -89,7 +89,7 @@ std::string csv_of(const sweep::Apart& apart) {
                        "contact_times", "bounce_a_m", "bounce_b_m", "bounce_times"});
   const auto number = [](double value) { return fmt::format("{}", value); };
   const auto first = [&](const sweep::Difference& difference) {
-    return difference.first ? number(seconds(*difference.first)) : std::string();
+    return difference.first ? number(nearest_seconds(*difference.first)) : std::string();
   };
   for (const sweep::BodyApart& body : apart.bodies()) {
     const bool was_seen = body.place.size > 0.0;
@@ -97,7 +97,7 @@ std::string csv_of(const sweep::Apart& apart) {
                                       number(body.arcmin[0]),
                                       number(body.arcmin[1]),
                                       number(body.place.times),
-                                      was_seen ? number(seconds(body.place.at)) : "",
+                                      was_seen ? number(nearest_seconds(body.place.at)) : "",
                                       first(body.place),
                                       was_seen ? number(body.off_view_deg) : ""};
     const auto pair = [&](const std::optional<sweep::Difference>& difference, bool times) {
@@ -106,7 +106,7 @@ std::string csv_of(const sweep::Apart& apart) {
       cells.push_back(number(difference->b));
       cells.push_back(number(difference->times));
       if (!times) return;
-      cells.push_back(number(seconds(difference->at)));
+      cells.push_back(number(nearest_seconds(difference->at)));
       cells.push_back(first(*difference));
     };
     pair(body.speed, true);
