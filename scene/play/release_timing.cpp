@@ -34,8 +34,63 @@ Track hand_around(const TrialFile& trial, const Rig& rig, const std::vector<Time
   return track;
 }
 
+/// Whether a trial has a press of a thumb button, with which one walks.
+bool walks(const TrialFile& trial) {
+  bool found = false;
+  trial.walk([&](const TrialFile::Item& item) {
+    const auto* sample = std::get_if<devices::Sample>(&item);
+    const auto* mouse = sample ? std::get_if<devices::MouseSample>(sample) : nullptr;
+    found = mouse && (mouse->left_thumb || mouse->right_thumb);
+    return !found;
+  });
+  return found;
+}
+
+/// v_WP, the velocity of walking, at the ticks around these times at which it is another.
+std::vector<Stamped<Vec3>> walk_around(const TrialFile& trial, const Scenario& scenario,
+                                       const std::vector<Time>& times) {
+  std::vector<Stamped<Vec3>> all = {{Time{}, Vec3::Zero()}};
+  if (!walks(trial)) return all;
+  const Time around = kAround + tick_time(1, scenario.rates.physics_hz);
+  const Time until = std::min(*std::ranges::max_element(times) + around, trial.summary().end);
+  TrialPlayer source(trial);
+  Player player;
+  std::vector<devices::Sample> samples;
+  for (std::int64_t tick = 1;; ++tick) {
+    const Time time = tick_time(tick, scenario.rates.physics_hz);
+    if (time > until) return all;
+    const Time measured = time - microseconds(scenario.rig.delay_s);
+    samples.clear();
+    source.poll(time, samples);
+    follow(player, samples, scenario, measured);
+    forget(player, measured);
+    const bool matters = std::ranges::any_of(
+        times, [&](Time t) { return time >= t - around && time <= t + around; });
+    if (matters && player.walk.v_WP != all.back().value) all.push_back({time, player.walk.v_WP});
+  }
+}
+
+/// What the fastest release of a trial is found from.
+struct Throwing {
+  const Scenario& scenario;
+  Track hand;                       ///< X_PH
+  std::vector<Stamped<Vec3>> walk;  ///< v_WP, as walk_around() has it
+
+  /// Speed of a ball that leaves at a time a hand that moves so in the tracked space: as release() in player.cpp.
+  double speed(const Vec3& v_PB, Time at) const {
+    // The tick that makes a release at this time is the first one not before it.
+    const std::int64_t hz = scenario.rates.physics_hz;
+    const Time tick = at + tick_time(1, hz) - Time{1};
+    const auto later = std::ranges::upper_bound(walk, tick, {}, &Stamped<Vec3>::time);
+    const Vec3 v_WP = later == walk.begin() ? Vec3(Vec3::Zero()) : std::prev(later)->value;
+    return scenario.release.speed * (v_PB + v_WP).norm();
+  }
+};
+
 /// The fastest of the samples around a release.
-ReleaseTiming at_samples(const Track& track, Time time, const Scenario& scenario) {
+ReleaseTiming at_samples(const Throwing& throwing, Time time) {
+  const Scenario& scenario = throwing.scenario;
+  const Track& track = throwing.hand;
   const ReleaseWindow window = release_window(scenario.hand);
   ReleaseTiming timing{.release = time};
   for (std::size_t i = 1; i < track.size(); ++i) {
@@ -43,8 +98,8 @@ ReleaseTiming at_samples(const Track& track, Time time, const Scenario& scenario
     const Time at = track[i].time + microseconds(scenario.rig.delay_s);
     if (at < time - kAround || at > time + kAround) continue;
     if (track[i - 1].time < track[i].time - window.longest()) continue;
-    const double speed =
-        release_velocity(std::span(track).first(i + 1), scenario.hand.grip, window).v.norm();
+    const double speed = throwing.speed(
+        release_velocity(std::span(track).first(i + 1), scenario.hand.grip, window).v, at);
     if (speed > timing.fastest_speed) timing = {time, at, speed};
   }
   return timing;
@@ -52,7 +107,9 @@ ReleaseTiming at_samples(const Track& track, Time time, const Scenario& scenario
 
 /// The fastest of the milliseconds around a release at which the hand was tracked, each with the
 /// samples that a release at that time uses.
-ReleaseTiming at_milliseconds(const Track& track, Time time, const Scenario& scenario) {
+ReleaseTiming at_milliseconds(const Throwing& throwing, Time time) {
+  const Scenario& scenario = throwing.scenario;
+  const Track& track = throwing.hand;
   const Rig& rig = scenario.rig;
   const ReleaseWindow window = release_window(scenario.hand);
   ReleaseTiming timing{.release = time};
@@ -61,9 +118,9 @@ ReleaseTiming at_milliseconds(const Track& track, Time time, const Scenario& sce
     if (motion_at(track, measured, scenario.hand.grip, window).known != Known::tracked) continue;
     const Time last = told_until(measured, rig.delay_s + rig.predicted_s);
     const auto end = std::ranges::upper_bound(track, last, {}, &Stamped<Pose>::time);
+    const std::span told(track.begin(), end);
     const double speed =
-        motion_at(std::span(track.begin(), end), measured, scenario.hand.grip, window)
-            .V_WB.v.norm();
+        throwing.speed(motion_at(told, measured, scenario.hand.grip, window).V_WB.v, at);
     if (speed > timing.fastest_speed) timing = {time, at, speed};
   }
   return timing;
@@ -78,13 +135,16 @@ std::vector<ReleaseTiming> release_timings(const TrialFile& trial, const Scenari
   }
   if (times.empty()) return {};
   const ReleaseWindow window = release_window(scenario.hand);
-  const Track track = hand_around(trial, scenario.rig, times,
-                                  kAround + microseconds(scenario.rig.delay_s) + window.longest());
+  const Throwing throwing{
+      scenario,
+      hand_around(trial, scenario.rig, times,
+                  kAround + microseconds(scenario.rig.delay_s) + window.longest()),
+      walk_around(trial, scenario, times)};
   std::vector<ReleaseTiming> found;
   for (const Time time : times) {
     const ReleaseTiming timing = scenario.hand.release_at == ReleaseAt::trigger
-                                     ? at_milliseconds(track, time, scenario)
-                                     : at_samples(track, time, scenario);
+                                     ? at_milliseconds(throwing, time)
+                                     : at_samples(throwing, time);
     if (timing.fastest_speed > 0.0) found.push_back(timing);
   }
   return found;

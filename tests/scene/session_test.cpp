@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -361,6 +362,37 @@ TEST(ReleaseTimingTest, TellsHowLongBeforeTheFastestMomentTheBallWasLetGo) {
     EXPECT_LE(std::abs((found[0].fastest - c.fastest).count()), c.within.count());
     EXPECT_NEAR(found[0].fastest_speed, c.speed, c.speed_within);
   }
+}
+
+/// The fastest release of a straight throw; with `walks`, by someone who walks down the lane.
+double fastest_of(double times_speed, bool walks) {
+  Scenario scenario;
+  scenario.hand.release_at = ReleaseAt::trigger;
+  scenario.release.speed = times_speed;
+  auto samples = straight_throw(scenario);
+  for (devices::Sample& sample : samples) {
+    if (auto* mouse = std::get_if<devices::MouseSample>(&sample)) mouse->left_thumb = walks;
+    auto* tracker = std::get_if<devices::TrackerSample>(&sample);
+    if (!tracker || tracker->station != devices::kHeadStation) continue;
+    tracker->X_TS.q = rotation(Vec3(0.5 * std::numbers::pi, 0.0, 0.0));  // looks along +y
+  }
+  const TemporaryFolder folder;
+  const std::string path = (folder.path() / "throw.lcmlog").string();
+  TrialHeader header;
+  header.scenario = to_toml(scenario);
+  Recorder recorder(path, header);
+  write(recorder, samples, play(scenario, samples, 1.0).events);
+  recorder.close();
+  const std::vector<ReleaseTiming> found = release_timings(TrialFile(path), scenario);
+  return found.empty() ? 0.0 : found.front().fastest_speed;
+}
+
+TEST(ReleaseTimingTest, CountsTheWalkAndTheScenariosChangeOfTheSpeed) {
+  const double own = fastest_of(1.0, false), walk = Scenario{}.walk.speed;
+  EXPECT_GT(walk, 0.5);
+  EXPECT_NEAR(fastest_of(1.3, false), 1.3 * own, 1e-9);
+  EXPECT_NEAR(fastest_of(1.0, true), own + walk, 1e-9);
+  EXPECT_NEAR(fastest_of(1.3, true), 1.3 * (own + walk), 1e-9);
 }
 
 // The hand lets go and touches the other version's button in one tick: the ball is the first
