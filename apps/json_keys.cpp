@@ -18,7 +18,9 @@ constexpr auto kKeys = std::to_array<JsonKey>({
      "away"},
     {"array", "script of the array job for Slurm"},
     {"as_it_was", "result of a separate throw under the condition of its trial"},
-    {"astray", "single samples at a place that a hand cannot reach and leave so fast"},
+    {"astray",
+     "single samples that a hand would have to reach and leave faster than 50 m/s, after 0.1 m of noise; "
+     "a release leaves out more, from 20 m/s on"},
     {"at_hand", "true: the closest approach was expected at the hand; false: at head or body"},
     {"at_s", "time at which a difference is largest, or at which it is known"},
     {"axis_rotation_deg",

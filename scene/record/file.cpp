@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -91,8 +92,9 @@ class TrialWalk {
   }
 
   void note(const char* kind, const std::string& of, std::int64_t messages = 1) {
-    note_trouble(counted(), kind, of, messages_.since_first(), messages);
+    note_trouble(counted(), kind, of, since_first(), messages);
   }
+  Time since_first() const { return messages_.since_first(); }
   TrialSummary& counted() { return messages_.counted(); }
 
  private:
@@ -164,14 +166,16 @@ namespace {
 /// Finds positions that jump away from those around them, and back.
 class AstrayFinder {
  public:
-  /// @return  whether the sample before this one was astray
-  bool take(const devices::TrackerSample& sample) {
+  /// @param at  time of the message in the log
+  /// @return    the time of the message before this one, if its sample was astray
+  std::optional<Time> take(const devices::TrackerSample& sample, Time at) {
     const Stamped<Vec3> now{sample.device_time, sample.X_TS.p};
     const bool astray = before_ && last_ && far_apart(*before_, *last_) && far_apart(*last_, now) &&
                         !far_apart(*before_, now);
     if (!astray) before_ = last_;
     last_ = now;
-    return astray;
+    const Time last_at = std::exchange(last_at_, at);
+    return astray ? std::optional(last_at) : std::nullopt;
   }
 
  private:
@@ -183,6 +187,7 @@ class AstrayFinder {
   }
 
   std::optional<Stamped<Vec3>> before_, last_;
+  Time last_at_{};
 };
 
 /// Adds samples to a summary.
@@ -192,10 +197,11 @@ class Summing {
 
   /// Faults of earlier samples that a sample shows.
   struct Found {
-    std::int64_t lost = 0;  ///< missing just before it; -1: it was a missing one
-    bool astray = false;    ///< the one before it
+    std::int64_t lost = 0;            ///< missing just before it; -1: it was a missing one
+    std::optional<Time> astray = {};  ///< the one before it: time of its message in the log
   };
-  Found take(const devices::Sample& sample) {
+  /// @param at  time of its message in the log
+  Found take(const devices::Sample& sample, Time at) {
     ++into_.sample_count;
     const Time time = devices::device_time(sample);
     cover(time);
@@ -210,7 +216,7 @@ class Summing {
     d.last = std::max(d.last, time);
     take_availability(devices::available(sample));
     const auto* tracker = std::get_if<devices::TrackerSample>(&sample);
-    return tracker ? count(d, *tracker) : Found{};
+    return tracker ? count(d, *tracker, at) : Found{};
   }
   void take(const TickState& state) {
     ++into_.state_count;
@@ -239,11 +245,11 @@ class Summing {
     into_.end = into_.sample_count > 1 ? std::max(into_.end, time) : time;
     extend(into_.longest_gap, last_available_, time);
   }
-  Found count(DeviceSummary& d, const devices::TrackerSample& sample) {
+  Found count(DeviceSummary& d, const devices::TrackerSample& sample, Time at) {
     const Found found{numbers_[sample.station].take(sample.sequence, sample.device_time),
-                      places_[sample.station].take(sample)};
+                      places_[sample.station].take(sample, at)};
     d.lost += found.lost;
-    d.astray += found.astray;
+    d.astray += found.astray.has_value();
     d.bad += !sample.good();
     d.estimated += sample.good() && sample.position_estimated;
     return found;
@@ -296,10 +302,10 @@ TrialSummary sum_up(const LogContent& log) {
   Summing summing(all);
   while (std::optional<Message> message = walk.next()) {
     if (const auto sample = sample_of(*message)) {
-      const Summing::Found found = summing.take(*sample);
-      if (found.lost != 0)
-        walk.note("lost", devices::device_name(devices::device_of(*sample)), found.lost);
-      if (found.astray) walk.note("astray", devices::device_name(devices::device_of(*sample)));
+      const Summing::Found found = summing.take(*sample, walk.since_first());
+      const std::string device = devices::device_name(devices::device_of(*sample));
+      if (found.lost != 0) walk.note("lost", device, found.lost);
+      if (found.astray) note_trouble(all, "astray", device, *found.astray, 1);
     } else if (auto* event = std::get_if<Event>(&*message)) {
       all.events.push_back(std::move(*event));
     } else if (const auto* state = std::get_if<TickState>(&*message)) {

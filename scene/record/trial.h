@@ -133,7 +133,7 @@ struct DeviceSummary {
   std::int64_t lost = 0;       ///< holes in the sequence
   std::int64_t bad = 0;        ///< with a status other than good
   std::int64_t estimated = 0;  ///< with a position that the device did not track
-  std::int64_t astray = 0;     ///< single samples at a place that no hand reaches so fast
+  std::int64_t astray = 0;     ///< single samples 0.1 m and 50 m/s or more from those around
 };
 
 /// A stretch of time in which no sample became available.

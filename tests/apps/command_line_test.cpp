@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/output_file.h"
+#include "devices/base/sources.h"
 #include "devices/log/event_log.h"
 #include "render/image.h"
 #include "render/png.h"
@@ -235,6 +236,13 @@ TEST_F(CommandLine, ALoneSampleFarAwayIsAstray) {
     EXPECT_EQ(device["astray"], its ? 1 : 0) << device;
   }
   EXPECT_THAT(headpin("info far.lcmlog").out, testing::ContainsRegex(" 1 astray of "));
+  // It is told at its own time, not at that of the next sample, by which it is found.
+  const double sent =
+      nearest_seconds(devices::available(trial.samples[at]));  // the log begins at 0
+  for (const nlohmann::json& stretch : odd["trouble"]) {
+    if (stretch["kind"] != "astray") continue;
+    EXPECT_NEAR(stretch["from_s"].get<double>(), sent, 0.002);
+  }
   for (const nlohmann::json& device : even["devices"]) {
     EXPECT_EQ(device["astray"], 0);
   }
