@@ -11,6 +11,7 @@
 #include <pybind11/stl.h>
 
 #include "apps/python/module.h"
+#include "apps/python/values.h"
 #include "render/camera.h"
 #include "render/display.h"
 #include "render/matrices.h"

@@ -2,7 +2,10 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
+#include <stdexcept>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -129,14 +132,20 @@ py::dict words_of_columns(std::string scene::TableColumn::*words) {
 
 /// Takes a law of response of the caller's own out of keyword arguments.
 std::shared_ptr<const engine::Response> take_own_response(py::kwargs& words) {
-  std::string sliding = "paper";
+  std::optional<std::string> sliding;
   if (words.contains("sliding")) sliding = py::str(words.attr("pop")("sliding"));
-  engine::response_named(sliding);  // throws for an unknown name, also where it is not used
-  if (!words.contains("response")) return nullptr;
-  const py::object law = words["response"];
-  if (law.is_none() || py::isinstance<py::str>(law)) return nullptr;
+  if (sliding) engine::response_named(*sliding);  // throws for an unknown name
+  const py::object law =
+      words.contains("response") ? py::object(words["response"]) : py::object(py::none());
+  if (law.is_none() || py::isinstance<py::str>(law)) {
+    if (!sliding) return nullptr;
+    throw std::invalid_argument(fmt::format(
+        "sliding: expected a law of response of your own beside it, found response={}; a named "
+        "response has its own sliding",
+        std::string(py::repr(law))));
+  }
   words.attr("pop")("response");
-  return own_response(law, sliding);
+  return own_response(law, sliding.value_or("paper"));
 }
 
 std::unique_ptr<Replay> replay_of(const Trial& trial, py::kwargs words) {

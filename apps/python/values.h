@@ -49,12 +49,15 @@ constexpr std::string_view name_of_type() {
 }
 
 /// The value of an argument.
-/// @throws pybind11::type_error  for another type, naming the argument
+/// @throws pybind11::type_error  for another type, naming the argument; also for True and False as a number
 template <typename T>
 T argument(std::string_view name, const pybind11::handle& value) {
   try {
     const bool is_dict = pybind11::hasattr(value, "keys");
-    if (!std::is_same_v<T, pybind11::dict> || is_dict) return value.cast<T>();
+    const bool is_bool = pybind11::isinstance<pybind11::bool_>(value);
+    constexpr bool kOfNumber = std::is_arithmetic_v<T> && !std::is_same_v<T, bool>;
+    const bool fits = kOfNumber ? !is_bool : !std::is_same_v<T, pybind11::dict> || is_dict;
+    if (fits) return value.cast<T>();
   } catch (const pybind11::cast_error&) {
     PyErr_Clear();  // the words below are ours
   }

@@ -59,6 +59,16 @@ class Replay(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "^save: nobody could replay"):
             replay.save(support.file("own.lcmlog"))
 
+    def test_refuses_what_would_have_no_effect_or_another_one(self):
+        trial = headpin.Trial(support.DEMO)
+        for words in ({}, {"response": "paper"}, {"response": None}):
+            with self.assertRaisesRegex(ValueError, "^sliding: expected a law of response of your own"):
+                trial.replay(sliding="coulomb", **words)
+        with self.assertRaisesRegex(TypeError, "^friction: expected a number, found True"):
+            trial.replay(friction=True)
+        with self.assertRaisesRegex(TypeError, "^iterations: expected a whole number, found False"):
+            trial.replay(iterations=False)
+
     def test_says_what_goes_wrong_in_a_response_of_ones_own(self):
         trial = headpin.Trial(support.DEMO)
 
