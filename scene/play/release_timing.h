@@ -9,9 +9,10 @@ namespace headpin::scene {
 
 /// The timing of releases, which the paper's participants found hard.
 struct ReleaseTiming {
-  Time release{};              ///< time of the release event
-  Time fastest{};              ///< time of the fastest possible release within half a second
-  double fastest_speed = 0.0;  ///< speed of the ball at that release, with the walk and `release.speed` [m/s]
+  Time release{};  ///< time of the release event
+  Time fastest{};  ///< time of the fastest possible release within half a second
+  double fastest_speed =
+      0.0;  ///< speed of the ball at that release, with the walk and `release.speed` [m/s]
 };
 
 /// The timing of each release of a trial during which the hand was tracked, in order.
