@@ -282,6 +282,11 @@ bool has_fallen(const Pose& X_WB) {
   return (X_WB.q * Vec3::UnitZ()).z() < kCos20Degrees;
 }
 
+bool is_off_spot(const engine::World& world, const Stage& stage, engine::BodyId skittle) {
+  const Vec3 &p = world.states[skittle].X_WB.p, &spot = stage.world.states[skittle].X_WB.p;
+  return (p - spot).head<2>().norm() > stage.scenario.game.off_spot;
+}
+
 void note_velocities(Game& game, const engine::World& world) {
   game.velocities.clear();
   for (const engine::State& state : world.states) game.velocities.push_back(state.v_WB);

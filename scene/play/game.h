@@ -65,6 +65,9 @@ void end_ball_path(Game& game, const Tick& tick);
 /// Whether a skittle has fallen over: its axis leans by more than 20 degrees.
 bool has_fallen(const Pose& X_WB);
 
+/// Whether a skittle is further from its spot than `game.off_spot`.
+bool is_off_spot(const engine::World& world, const Stage& stage, engine::BodyId skittle);
+
 /// Stores the velocities before a step, for the speed of a ball just before its first skittle.
 void note_velocities(Game& game, const engine::World& world);
 

@@ -86,9 +86,7 @@ bool stays_at_rest(const Field& f) {
 }
 
 bool is_down(const Field& f, engine::BodyId skittle) {
-  const Pose& X_WB = f.world.states[skittle].X_WB;
-  const Vec3& spot = f.stage.world.states[skittle].X_WB.p;
-  return has_fallen(X_WB) || (X_WB.p - spot).head<2>().norm() > f.plan().off_spot;
+  return has_fallen(f.world.states[skittle].X_WB) || is_off_spot(f.world, f.stage, skittle);
 }
 
 /// Puts a skittle away: upright beside the others behind the wall ahead, where it is not visible.

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "scene/play/game.h"
 #include "scene/play/score.h"
 #include "scene/record/events.h"
 
@@ -22,16 +23,42 @@ class Handed : public devices::Source {
   const std::vector<devices::Sample>& samples_;
 };
 
-/// The world of another stage, with all bodies at their present places.
+/// Whether a skittle stands on its spot, by the rules of the game: in no hand and not swept, upright and
+/// no further from its spot than `game.off_spot`.
+bool is_on_its_spot(const engine::World& world, const Stage& stage, engine::BodyId skittle) {
+  return world.bodies[skittle].kind == engine::Kind::free &&
+         !has_fallen(world.states[skittle].X_WB) && !is_off_spot(world, stage, skittle);
+}
+
+/// Where a skittle of another stage stands: on its base where it stood, or, if it stood on its spot, as
+/// far from its new spot as it was from the old one.
+Pose moved_skittle(const engine::World& from, const Stage& before, const Stage& stage,
+                   engine::BodyId skittle) {
+  Pose X_WB = from.states[skittle].X_WB;
+  const Pose &old_spot = before.world.states[skittle].X_WB,
+             &new_spot = stage.world.states[skittle].X_WB;
+  if (X_WB.p == old_spot.p && X_WB.q.coeffs() == old_spot.q.coeffs()) return new_spot;
+  // A skittle of another shape may have another centre of mass; its base stays in place.
+  X_WB.p += X_WB.q * Vec3(0.0, 0.0, stage.skittle_centre - before.skittle_centre);
+  if (is_on_its_spot(from, before, skittle)) {
+    X_WB.p.head<2>() += new_spot.p.head<2>() - old_spot.p.head<2>();
+  }
+  return X_WB;
+}
+
+/// The world of another stage: the room is that stage's, its skittles stand on that stage's spots, and all
+/// other bodies are where they were.
 engine::World moved_into(const engine::World& from, const Stage& before, const Stage& stage) {
   engine::World world = stage.world;
   engine::take_over(world, from);
   take_over_wear(world, stage, from, before);
-  // A skittle of another shape may have another centre of mass; its base stays in place.
-  const Vec3 higher(0.0, 0.0, stage.skittle_centre - before.skittle_centre);
+  for (engine::BodyId body = 0; body < world.bodies.size(); ++body) {
+    if (world.bodies[body].kind == engine::Kind::fixed) {
+      world.states[body] = stage.world.states[body];
+    }
+  }
   for (const engine::BodyId skittle : stage.skittles) {
-    Pose& X_WB = world.states[skittle].X_WB;
-    X_WB.p += X_WB.q * higher;
+    world.states[skittle].X_WB = moved_skittle(from, before, stage, skittle);
   }
   return world;
 }

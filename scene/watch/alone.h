@@ -22,8 +22,12 @@ struct ThrowResult {
 /// Whether the event is the release of a ball.
 bool is_release_of_ball(const Event& event);
 
-/// A copy of a session that continues under a stage. Its buttons start no other version. Under
-/// another condition, the bodies stay where they are.
+/// A copy of a session that continues under a stage of the same bodies. Its buttons start no other
+/// version.
+///
+/// Under another condition the room is that condition's. Where it has other spots, the skittles that stand
+/// on their spots stand on the other ones. What lies, is in the hand, or stands further from its spot than
+/// `game.off_spot` stays where it is, and so do the balls.
 Session on_its_own(Session session, const std::shared_ptr<const Stage>& stage);
 
 /// A copy of a session that follows one ball.

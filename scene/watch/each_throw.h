@@ -20,7 +20,8 @@ struct ThrowAlone {
 };
 
 /// Simulates each throw of a session separately, under its own and under another condition, from
-/// the state at its release. So a throw does not depend on the results of earlier throws.
+/// the state at its release. So a throw does not depend on the results of earlier throws. If the other
+/// condition has other spots, the skittles stand on these: see on_its_own().
 ///
 /// It observes a session. The tick of a release is repeated from the state before it, once under
 /// the session's condition and once under the other one, and the simulations continue until the

@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "scene/play/save.h"
 #include "scene/watch/alone.h"
 
@@ -28,6 +30,37 @@ Session at_last_snapshot(const Recorded& trial, Time at) {
   return session;
 }
 
+/// Refuses another condition that a session in its middle cannot go on under.
+///
+/// @throws std::invalid_argument  naming the keys
+void check_goes_on(const Scenario& own, const Scenario& other) {
+  if (own.rates.physics_hz != other.rates.physics_hz) {
+    throw std::invalid_argument(
+        fmt::format("rates.physics_hz: expected that of the trial, {}, found {}",
+                    own.rates.physics_hz, other.rates.physics_hz));
+  }
+  const GameRules &game = own.game, &now = other.game;
+  if (game.rules != now.rules || game.frames != now.frames || game.balls != now.balls) {
+    throw std::invalid_argument(fmt::format(
+        "game.rules, game.frames and game.balls: expected those of the trial, {}, {} and {}, found {}, {} "
+        "and {}; a score sheet has the rules of one game",
+        name_of(game.rules), game.frames, game.balls, name_of(now.rules), now.frames, now.balls));
+  }
+}
+
+/// @throws std::invalid_argument  if the skittles of a stage have other spots than those of the other one
+void check_spots(const Stage& own, const Stage& other) {
+  for (const engine::BodyId skittle : own.skittles) {
+    const Vec3 &before = own.world.states[skittle].X_WB.p,
+               &now = other.world.states[skittle].X_WB.p;
+    if (before.head<2>() == now.head<2>()) continue;
+    throw std::invalid_argument(fmt::format(
+        "lane.head_pin and rack.spots: expected the spots of the trial, where its skittles stand; {} has "
+        "the spot {:g}, {:g} there, and {:g}, {:g} here",
+        own.world.bodies[skittle].name, before.x(), before.y(), now.x(), now.y()));
+  }
+}
+
 }  // namespace
 
 Entered enter(const Recorded& trial, Time at, TrialPlayer::Beside beside) {
@@ -47,16 +80,15 @@ Entered enter(const Recorded& trial, Time at, TrialPlayer::Beside beside) {
 
 Session under_from_now_on(Session session, const Scenario& own, const Scenario& other) {
   if (differences(own, other).empty()) return session;
+  check_goes_on(own, other);
   Session begun = make_session(other);
-  if (session.scenario().rates.physics_hz != other.rates.physics_hz) {
-    throw std::invalid_argument("rates.physics_hz: expected that of the trial");
-  }
   const bool in_version = session.version > 0 && begun.versions[0];
   const std::shared_ptr<const Stage> stage =
       in_version ? begun.versions[session.version - 1] : begun.stage;
   if (body_names(*session.stage) != body_names(*stage)) {
     throw std::invalid_argument("expected the bodies of the trial; this condition has others");
   }
+  check_spots(*session.stage, *stage);
   Session moved = on_its_own(std::move(session), stage);
   moved.versions = begun.versions;
   return moved;

@@ -28,8 +28,8 @@ Entered enter(const Recorded& trial, Time at, TrialPlayer::Beside beside);
 /// buttons start the other scenario's versions.
 ///
 /// @param own    scenario of the session
-/// @param other  of the same bodies, with the same tick rate
-/// @throws std::invalid_argument  for other bodies or another tick rate
+/// @param other  of the same bodies and spots, with the same tick rate, rules, frames and balls
+/// @throws std::invalid_argument  for another one, naming the keys
 Session under_from_now_on(Session session, const Scenario& own, const Scenario& other);
 
 }  // namespace headpin::scene

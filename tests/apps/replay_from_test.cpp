@@ -104,6 +104,10 @@ TEST_F(ReplayFrom, RefusesWhatHasNoMeaning) {
                                    {"--from 5 -o x.lcmlog", "--from excludes -o"},
                                    {"--from 5 --each-throw", "--each-throw excludes"},
                                    {"--from 5 --set rates.physics_hz=120", "rates.physics_hz"},
+                                   {"--from 5 --set game.rules=ninepins", "game.rules"},
+                                   {"--from 5 --set game.frames=4", "game.frames"},
+                                   {"--from 5 --set game.balls=3", "game.balls"},
+                                   {"--from 5 --set lane.head_pin=5", "lane.head_pin"},
                                    {"--from -1", "--from"}}) {
     const Result result = headpin(std::string("replay session.lcmlog ") + words);
     EXPECT_EQ(result.code, 2) << words;

@@ -2,11 +2,14 @@
 // counterpart, and every throw on its own.
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
 
 #include <gmock/gmock.h>
 
 #include "devices/base/sources.h"
 #include "scene/record/events.h"
+#include "scene/stage/read_scenario.h"
 #include "scene/watch/counterparts.h"
 #include "scene/watch/each_throw.h"
 #include "tests/scene/session_fixture.h"
@@ -212,6 +215,62 @@ TEST(EachThrow, OfASkittleOfAnotherShapeStandsOnItsBase) {
   each.finish();
   ASSERT_EQ(each.throws().size(), 4u);
   for (const ThrowAlone& one : each.throws()) EXPECT_TRUE(one.other.felled.has_value());
+}
+
+// The first throw is the first of a session under the other condition, whose skittles stand there from the start.
+TEST(EachThrow, OfAnotherPlaceOfTheRackMeetsItThere) {
+  const Scenario scenario = four_balls();
+  const HandScript hand = four_throws(scenario);
+  for (const double head_pin : {5.0, 5.9}) {
+    Scenario other = scenario;
+    other.lane.head_pin = head_pin;
+    EachThrow each(make_session(scenario), other);
+    const Ran now = run_with(scenario, hand.samples, &each);
+    each.finish();
+    const std::vector<ThrowAlone> throws = each.throws();
+    ASSERT_EQ(throws.size(), 4u) << head_pin;
+    const Ran replayed = run_with(other, hand.samples);
+    EXPECT_EQ(throws[0].other.felled, felled(replayed.watched.events).at(0)) << head_pin;
+    double impact = 0.0;
+    for (const Event& event : replayed.watched.events) {
+      if (event.kind == kind::first_contact && impact == 0.0) impact = event.value;
+    }
+    EXPECT_NEAR(throws[0].other.impact_speed.value_or(0.0), impact, 1e-9) << head_pin;
+    EXPECT_NE(throws[0].other.impact_speed, throws[0].as_it_was.impact_speed) << head_pin;
+    // The second ball of the frame comes to what its own first ball left.
+    EXPECT_LE(throws[1].other.felled.value_or(99) + felled(now.watched.events)[0], 10) << head_pin;
+  }
+}
+
+// What stands on its spot goes with it, by the same way; what lies stays; and the room is the other one.
+TEST(ASessionUnderAnotherCondition, HasItsSkittlesOnTheOtherSpots) {
+  Scenario scenario = load_scenario(HEADPIN_SOURCE_DIR "/assets/scenarios/regulation-ten-pin.toml");
+  Session session = make_session(scenario);
+  const engine::BodyId fallen = session.stage->skittles[4], nudged = session.stage->skittles[5];
+  engine::State lies = session.world.states[fallen];
+  lies.X_WB = {Quat(std::sqrt(0.5), std::sqrt(0.5), 0.0, 0.0), lies.X_WB.p + Vec3(0.1, 0.0, -0.08)};
+  engine::set_state(session.world, fallen, lies);
+  engine::State beside = session.world.states[nudged];
+  beside.X_WB.p.x() += 0.03;
+  engine::set_state(session.world, nudged, beside);
+  scenario.lane.head_pin -= 0.5;
+  const auto stage = std::make_shared<const Stage>(make_stage(scenario));
+  const Session moved = on_its_own(session, stage);
+  for (const engine::BodyId skittle : stage->skittles) {
+    const Vec3 &p = moved.world.states[skittle].X_WB.p, &spot = stage->world.states[skittle].X_WB.p;
+    if (skittle == fallen) {
+      EXPECT_EQ(p, lies.X_WB.p);
+    } else if (skittle == nudged) {
+      EXPECT_LT((p - spot - Vec3(0.03, 0.0, 0.0)).norm(), 1e-12);
+    } else {
+      EXPECT_EQ(p, spot);
+    }
+  }
+  for (engine::BodyId body = 0; body < moved.world.bodies.size(); ++body) {
+    if (moved.world.bodies[body].kind != engine::Kind::fixed) continue;
+    EXPECT_EQ(moved.world.states[body].X_WB.p, stage->world.states[body].X_WB.p)
+        << moved.world.bodies[body].name;
+  }
 }
 
 TEST(EachThrow, IsRefusedWithOtherBodiesOrTicks) {
