@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "scene/play/score.h"
+#include "scene/play/since.h"
 #include "scene/scenario/scenario.h"
 
 namespace headpin::scene {
@@ -42,6 +43,7 @@ void find_hook(BallWatch& watch, const engine::State& now, double radius) {
 struct Fall {
   double gravity, dt;  // [m/s2], [s]
   bool was_released;   // in this step: it fell for a part of it
+  bool approach;  // older rules have none: a ball before the foul line could be beside the lane
 };
 
 /// Whether a ball has touched the lane in the last step: near the lane, it was held up.
@@ -65,6 +67,12 @@ double touched_at(const engine::State& last, double radius, const Fall& fall) {
   return last.X_WB.p.y() + std::min(time, fall.dt) * last.v_WB.y();
 }
 
+/// Whether a ball is beside the lane, on which it lies. On the approach, nothing is.
+bool is_beside(const RoomMeasures& room, const Vec3& p, const Fall& fall) {
+  if (fall.approach && p.y() <= 0.0) return false;
+  return std::abs(p.x()) > 0.5 * room.lane_width;
+}
+
 /// The part of the way before the skittles.
 void find_on_lane(BallWatch& watch, const RoomMeasures& room, double radius, const Fall& fall,
                   const engine::State& now) {
@@ -79,7 +87,7 @@ void find_on_lane(BallWatch& watch, const RoomMeasures& room, double radius, con
   }
   if (!path.loft_end) return;
   find_hook(watch, now, radius);
-  if (std::abs(p.x()) <= 0.5 * room.lane_width) return;
+  if (!is_beside(room, p, fall)) return;
   path.gutter = p.y();
   watch.over = true;
 }
@@ -122,7 +130,8 @@ void see(BallWatch& watch, const RoomMeasures& room, double radius, const engine
   if (strikes || (!path.entry && p.y() > room.head_pin)) {
     path.entry = delivered(room, watch.last);
   }
-  const Fall fall{-world.parameters.gravity_W.z(), engine::step_seconds(world), was_released};
+  const Fall fall{-world.parameters.gravity_W.z(), engine::step_seconds(world), was_released,
+                  has_approach(world.parameters)};
   if (!path.entry) find_on_lane(watch, room, radius, fall, now);
   if (p.y() > room.deck_end) {
     if (std::abs(p.x()) <= 0.5 * room.lane_width) path.exit_board = board_at(room, p.x());

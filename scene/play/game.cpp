@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "scene/play/since.h"
 #include "scene/record/details.h"
 #include "scene/record/events.h"
 
@@ -83,15 +84,23 @@ By who(const Game& game, const Stage& stage, const engine::World& world, engine:
   }
 }
 
+/// Whether what set a skittle in motion is settled: it is down, so nothing else changes that.
+bool is_settled(const Game& game, const Stage& stage, const engine::World& world,
+                engine::BodyId skittle) {
+  if (game.down[skittle]) return true;
+  return keeps_cause_off_spot(world.parameters) && game.moved_by[skittle] != By::nobody &&
+         is_off_spot(world, stage, skittle);
+}
+
 /// Stores what set each skittle in motion. Skittles that are down are not changed.
 void credit(Game& game, const Stage& stage, const engine::World& world) {
   for (const engine::BodyId skittle : stage.skittles) {
-    if (game.down[skittle] || game.swept[skittle]) continue;
+    if (is_settled(game, stage, world, skittle) || game.swept[skittle]) continue;
     if (!is_free(world, skittle)) game.moved_by[skittle] = By::hand;
   }
   const auto meets = [&](engine::BodyId skittle, engine::BodyId other) {
     if (stage.roles[skittle] != Role::skittle || !is_free(world, skittle)) return;
-    if (game.down[skittle]) return;
+    if (is_settled(game, stage, world, skittle)) return;
     const By by = who(game, stage, world, other);
     const bool itself = stage.roles[other] != Role::skittle || !is_free(world, other);
     if (by == By::nobody || (!itself && game.moved_by[skittle] != By::nobody)) return;

@@ -17,6 +17,10 @@ namespace headpin::scene {
 /// A ball is on the foul line, not beyond it, up to this distance: less is rounding [m].
 inline constexpr double kOnLine = 1e-6;
 
+/// A ball that is in the hand again earlier than this was not thrown, even beyond the foul line. Nor is a
+/// ball at rest counted earlier: it may not have fallen yet.
+inline constexpr Time kThrownAfter{500'000};
+
 /// A thrown ball whose way is watched.
 struct WatchedBall {
   engine::BodyId body = 0;

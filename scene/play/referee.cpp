@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "scene/play/since.h"
 #include "scene/record/events.h"
 
 namespace headpin::scene {
@@ -21,8 +22,6 @@ struct Field : Tick {
   bool tells_apart() const { return plan().hand_fells == HandFells::apart; }
   bool waits_for_rest() const { return plan().ends == BallEnds::rest; }
 };
-
-constexpr Time kFirst{500'000};  // a ball released at rest has not fallen yet
 
 void note(const Field& f, std::string_view kind, double value, Detail detail = {}) {
   Event e = event(f, kind, {});
@@ -193,6 +192,15 @@ bool ends_empty(const Field& f, bool last) {
   return !(last && rules.bonuses && std::accumulate(frame.begin(), frame.end(), 0) >= f.rack());
 }
 
+/// Whether all skittles are set before the next ball of a frame that is not over.
+///
+/// @param empty  no skittle is left
+bool is_rack_set(const Field& f, bool empty) {
+  if (empty) return true;
+  const bool sees = f.tells_apart() && sets_when_none_is_left(f.world.parameters);
+  return sees ? f.rules().full_rack : is_set_again(f.rules(), f.game.frames.back(), f.rack());
+}
+
 /// @return  whether the body in the hand was taken from it
 bool end_delivery(const Field& f) {
   const Rules& rules = f.rules();
@@ -207,7 +215,7 @@ bool end_delivery(const Field& f) {
                      });
   if (!is_over(rules, frames.back(), f.rack(), static_cast<int>(f.plan().balls), last) &&
       !(empty && ends_empty(f, last))) {
-    return (empty || is_set_again(rules, frames.back(), f.rack())) && set_rack(f);
+    return is_rack_set(f, empty) && set_rack(f);
   }
   note(f, kind::frame, static_cast<double>(frames.size()));
   if (last) {
@@ -219,13 +227,17 @@ bool end_delivery(const Field& f) {
   return set_rack(f);
 }
 
-/// A ball starts: skittles that stand still now have no cause of motion.
+/// A ball starts: skittles that stand still now have no cause of motion, and no skittle that stands has that
+/// of a stray ball before.
 void begin_delivery(const Field& f) {
   f.game.thrown = f.moment.time;
   f.game.quiet.reset();
   f.game.beyond = false;
+  const bool forgets = forgets_stray_balls(f.world.parameters);
   for (const engine::BodyId skittle : f.stage.skittles) {
-    if (!is_down(f, skittle) && at_rest(f.world, skittle)) f.game.moved_by[skittle] = By::nobody;
+    By& by = f.game.moved_by[skittle];
+    const bool ends = at_rest(f.world, skittle) || (forgets && by == By::stray_ball);
+    if (ends && !is_down(f, skittle)) by = By::nobody;
   }
 }
 
@@ -246,7 +258,7 @@ void tidy(const Field& f) {
 /// Whether the ball is in the hand again and does not count as thrown.
 bool is_taken_back(const Field& f, bool under_way) {
   if (under_way || f.game.struck) return false;
-  return !f.game.beyond || f.moment.time - *f.game.thrown < kFirst;
+  return !f.game.beyond || f.moment.time - *f.game.thrown < kThrownAfter;
 }
 
 }  // namespace
@@ -275,7 +287,7 @@ bool referee(Game& game, const Tick& tick, std::optional<engine::BodyId> held) {
   }
   const bool rests = f.waits_for_rest() ? stays_at_rest(f) : all_at_rest(f);
   const Time since = f.moment.time - *game.thrown;
-  if (since < microseconds(f.plan().ball_back_s) && (since < kFirst || !rests)) return false;
+  if (since < microseconds(f.plan().ball_back_s) && (since < kThrownAfter || !rests)) return false;
   game.thrown.reset();
   return end_delivery(f);
 }

@@ -104,6 +104,33 @@ TEST(BallPath, HasBreakpointSkidAndHookAsInClosedForm) {
   EXPECT_LT(*path.loft_end, 0.25);
 }
 
+// The lane begins at the foul line: a ball that comes over the approach from beside it has not left it.
+TEST(BallPath, OnTheApproachNothingIsBesideTheLane) {
+  for (const std::int64_t rules : {10, 11}) {
+    Scenario scenario = even_lane();
+    scenario.collision.rules = rules;
+    Stage stage = make_stage(scenario);
+    engine::State start;
+    start.X_WB.p = Vec3(0.56, -1.2, scenario.ball.radius + 0.001);
+    start.v_WB = Vec3(-0.36, 8.0, 0.0);  // straight to x = 0.51 m at the line, and over the lane
+    const BallPath path = way_of(stage, start).path;
+    if (rules < 11) {
+      ASSERT_TRUE(path.gutter);
+      EXPECT_LT(*path.gutter, 0.0);
+      continue;
+    }
+    EXPECT_EQ(path.gutter, std::nullopt);
+    EXPECT_TRUE(path.entry && path.hook_end);
+    // One that stays beside the lane has left it where the lane begins.
+    start.v_WB = Vec3(0.0, 8.0, 0.0);
+    Stage beside = make_stage(scenario);
+    const BallPath missed = way_of(beside, start).path;
+    ASSERT_TRUE(missed.gutter);
+    EXPECT_NEAR(*missed.gutter, 0.0, 0.04);  // a tick's way
+    EXPECT_GT(*missed.gutter, 0.0);
+  }
+}
+
 // It is thrown up again within a tick: at no tick's end it lies on the lane.
 TEST(BallPath, HasTheFirstTouchOfABallThatBounces) {
   for (const double height : {0.012, 0.05, 0.28, 0.30, 0.32, 0.34}) {

@@ -2,7 +2,9 @@
 
 #include "scene/play/referee.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 
 #include <gmock/gmock.h>
@@ -212,6 +214,103 @@ TEST(Referee, ABallThatReachesTheSkittlesIsNotStray) {
   const Vec2 corner = scenario.rack.spots.back();  // a corner pin, met over the lane's edge
   const Vec3 at_edge(half + 0.001, scenario.lane.head_pin + corner.y() - 0.4, low);
   fallen_and_counted(at_edge, {-1.5, 8.0, 0.0});
+}
+
+/// The default scenario with plain rules, under rules of the step.
+Scenario plain_under(std::int64_t rules) {
+  Scenario scenario = with_rules(GameKind::plain, 2, 2);
+  scenario.collision.rules = rules;
+  return scenario;
+}
+
+// A stray ball before made them rock. The ball that is thrown now meets the head pin, and that one the others.
+TEST(Referee, WhatAStrayBallSetRockingIsTheNextBallsToFell) {
+  for (const std::int64_t rules : {10, 11}) {
+    ByHand play(plain_under(rules));
+    const auto& skittles = play.stage().skittles;
+    for (const engine::BodyId skittle : skittles) {
+      if (skittle == skittles.front()) continue;
+      const Pose& X_WB = play.world().states[skittle].X_WB;
+      engine::set_state(play.world(), skittle, {X_WB, Vec3::Zero(), Vec3(0.2, 0.0, 0.0)});
+      play.game().moved_by[skittle] = By::stray_ball;
+    }
+    const double head_pin = play.stage().scenario.lane.head_pin;
+    play.let_fly({0.0, head_pin - 0.4, play.stage().scenario.ball.radius}, {0.0, 8.0, 0.0});
+    play.tick();
+    for (const engine::BodyId skittle : skittles) {
+      if (skittle == skittles.front()) continue;
+      EXPECT_EQ(play.game().moved_by[skittle], rules < 11 ? By::stray_ball : By::nobody) << rules;
+    }
+    // The ball alone is a stray one when it comes back from the wall.
+    const bool fell = play.until([&] { return play.of_kind(kind::skittle_down).size() > 3; }, 2.0);
+    ASSERT_TRUE(fell) << rules;
+    std::size_t by_stray = 0;
+    for (const Event* e : play.of_kind(kind::skittle_down)) {
+      by_stray += e->detail.value_or(By::nobody) == By::stray_ball;
+    }
+    if (rules < 11) EXPECT_GT(by_stray, 0u);
+    if (rules >= 11) EXPECT_EQ(by_stray, 0u);
+  }
+}
+
+// A ball sent it there, upright; the same ball comes back from the wall and touches it.
+TEST(Referee, ASkittleThatABallSentOffItsSpotStaysThatBalls) {
+  for (const std::int64_t rules : {10, 11}) {
+    ByHand play(plain_under(rules));
+    const engine::BodyId sent = play.stage().skittles.back();
+    play.put(sent, {1.2, 6.9, play.stage().skittle_centre}, Vec3::Zero());
+    play.game().moved_by[sent] = By::ball;
+    play.let_fly({1.2, 7.3, play.stage().scenario.ball.radius}, {0.0, -3.0, 0.0});
+    play.until([&] { return !play.of_kind(kind::delivery).empty(); }, 12.0);
+    ASSERT_EQ(play.of_kind(kind::delivery).size(), 1u) << rules;
+    ASSERT_FALSE(play.of_kind(kind::touch).empty() && play.of_kind(kind::first_contact).empty());
+    const std::string& name = play.world().bodies[sent].name;
+    if (rules < 11) {
+      ASSERT_EQ(play.of_kind(kind::set_again).size(), 1u);
+      EXPECT_THAT(play.of_kind(kind::set_again).front()->bodies, testing::Contains(name));
+    } else {
+      EXPECT_THAT(play.of_kind(kind::delivery).front()->bodies, testing::Contains(name));
+    }
+  }
+}
+
+// Three pins. The first ball fells one and the hand two, so all are set; then each ball fells one. Their sum with
+// the first ball's is that of a rack while one still stands.
+TEST(Referee, SkittlesAreSetWhenNoneIsLeftAndNotBefore) {
+  for (const std::int64_t rules : {10, 11}) {
+    Scenario scenario = with_rules(GameKind::skittles, 1, 6);
+    scenario.collision.rules = rules;
+    scenario.rack.spots.resize(3);
+    ByHand play(scenario);
+    const auto& skittles = play.stage().skittles;
+    const auto fell = [&](std::size_t i, By by) {
+      const double y = 2.0 + 0.5 * static_cast<double>(i);
+      play.put(skittles[i], {-1.5, y, play.stage().skittle_centre}, Vec3::Zero());
+      play.game().moved_by[skittles[i]] = by;
+    };
+    const auto swept = [&] {
+      const auto& of = play.game().swept;
+      return std::count(of.begin(), of.end(), 1);
+    };
+    fell(0, By::ball);
+    fell(1, By::hand);
+    fell(2, By::hand);
+    play.miss();
+    ASSERT_EQ(play.of_kind(kind::delivery).back()->value, 1.0);
+    ASSERT_EQ(play.of_kind(kind::dead_wood).size(), 1u);
+    ASSERT_EQ(swept(), 0);
+    fell(0, By::ball);
+    play.miss();
+    ASSERT_EQ(swept(), 1) << rules;
+    fell(1, By::ball);
+    play.miss();
+    EXPECT_EQ(swept(), rules < 11 ? 0 : 2);
+    if (rules < 11) continue;
+    fell(2, By::ball);
+    play.miss();
+    EXPECT_EQ(swept(), 0);
+    EXPECT_EQ(play.game().frames.back(), (Frame{1, 1, 1, 1}));
+  }
 }
 
 TEST(Referee, ASkittleHeldAsTheBallIsCountedIsTheHandsAndStandsForTheNextFrame) {
