@@ -70,6 +70,21 @@ std::string in_words(const Sheet& sheet) {
                      fmt::join(sheet.marks, ", "));
 }
 
+/// Marks a foul, until its ball is in the hand again before it counted as thrown, as the referee has it.
+void Score::mark_foul(const Event& event, Sheet& game) {
+  if (event.kind == kind::foul && !game.over) {
+    game.marks.push_back(mark(game, "foul"));
+    if (!foul_) foul_ = Foul{event.time, event.bodies};
+  }
+  if (!foul_) return;
+  if (event.kind == kind::grab && event.bodies == foul_->bodies &&
+      event.time - foul_->time < kThrownAfter) {
+    std::erase(game.marks, mark(game, "foul"));
+    foul_.reset();
+  }
+  if (event.kind == kind::first_contact || event.kind == kind::delivery) foul_.reset();
+}
+
 void Score::add_to_game(const Event& event) {
   if (const auto* rules = event.detail.get_if<GameKind>()) {
     if (games.empty()) skittles_down = felled_by_hand = 0;  // earlier falls are in no sheet
@@ -77,10 +92,11 @@ void Score::add_to_game(const Event& event) {
                      .rules = *rules,
                      .rack = static_cast<int>(event.value),
                      .frames = {{}}});
+    foul_.reset();
   }
   if (games.empty()) return;
   Sheet& game = games.back();
-  if (event.kind == kind::foul && !game.over) game.marks.push_back(mark(game, "foul"));
+  mark_foul(event, game);
   if (event.kind == kind::dead_wood) {
     game.marks.push_back(mark(game, fmt::format("{} by hand", event.value)));
     felled_by_hand += static_cast<std::int64_t>(event.value);

@@ -41,11 +41,19 @@ struct Score {
 
  private:
   void add_to_game(const Event& event);
+  void mark_foul(const Event& event, Sheet& game);
   void add_to_throw(const Event& event);
   void add_to_way(const Event& event);
   void add_to_leave(const Event& event);
 
+  /// A foul whose ball may still be taken back.
+  struct Foul {
+    Time time;
+    std::vector<std::string> bodies;  ///< the ball
+  };
+
   std::string version_;
+  std::optional<Foul> foul_;
   std::vector<std::string> down_;  ///< skittles counted since the rack was set
 };
 

@@ -207,6 +207,33 @@ TEST(Passing, FallsOnTheWayAndRollsOnTheFloor) {
 
 const Event kGame = told(kind::game, {}, 10.0, "ten-pin");
 
+// The referee takes a ball back that is in the hand again within half a second and has struck nothing.
+TEST(ScoreTest, AFoulWhoseBallIsTakenBackIsNoMark) {
+  const auto at = [](double s, Event event) {
+    event.time = microseconds(s);
+    return event;
+  };
+  const auto marks = [&](std::vector<Event> events) {
+    events.insert(events.begin(), kGame);
+    events.push_back(at(3.0, told(kind::release, {"ball"})));
+    events.push_back(at(9.0, told(kind::delivery, {"a"}, 1.0)));
+    return score(events).games.front().marks;
+  };
+  using testing::ElementsAre, testing::IsEmpty;
+  const Event foul = at(1.0, told(kind::foul, {"ball"}));
+  const std::string mark = "foul (frame 1 ball 1)";
+  EXPECT_THAT(marks({foul}), ElementsAre(mark));
+  EXPECT_THAT(marks({foul, at(1.05, told(kind::grab, {"ball"}))}), IsEmpty());
+  EXPECT_THAT(marks({foul, at(1.5, told(kind::grab, {"ball"}))}), ElementsAre(mark));
+  EXPECT_THAT(marks({foul, at(1.05, told(kind::grab, {"skittle 1"}))}), ElementsAre(mark));
+  EXPECT_THAT(marks({foul, at(1.2, told(kind::first_contact, {"ball", "skittle 1"})),
+                     at(1.3, told(kind::grab, {"ball"}))}),
+              ElementsAre(mark));
+  EXPECT_THAT(
+      marks({foul, at(1.05, told(kind::grab, {"ball"})), at(2.0, told(kind::foul, {"ball"}))}),
+      ElementsAre(mark));
+}
+
 TEST(ScoreTest, ASheetHasItsBallsAndItsMarks) {
   const Score found = score(std::vector<Event>{
       told(kind::version, {}, 0.0, "red"), kGame, told(kind::foul, {"ball"}),
