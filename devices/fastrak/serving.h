@@ -19,7 +19,8 @@ namespace headpin::devices {
 Time begin_of(const TrackerSample& first, const FastrakEmulator& emulator, Time now);
 
 /// Passes bytes from the stream to the emulator and back. To be called about every millisecond,
-/// which determines the timing of the bytes.
+/// which determines the timing of the bytes. Takes at most 4096 bytes of the stream in one call, so
+/// that it comes to an end whatever a client sends.
 void serve(FastrakEmulator& emulator, ByteStream& stream, Time now);
 
 }  // namespace headpin::devices

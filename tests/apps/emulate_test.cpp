@@ -61,6 +61,17 @@ class Emulate : public testing::Test {
 
   fs::path link() const { return folder_ / "fastrak"; }
 
+  /// The line of a unit that serves TCP, as it says itself; empty when it says nothing.
+  std::string tcp_line() const {
+    for (int i = 0; i < 500; ++i) {
+      std::ifstream file(folder_ / "out");
+      std::string name;
+      if (std::getline(file, name) && !file.eof()) return "tcp:" + name;
+      std::this_thread::sleep_for(10ms);
+    }
+    return "";
+  }
+
   fs::path folder_;
   pid_t child_ = -1;
 };
@@ -167,15 +178,7 @@ TEST_F(Emulate, ConformanceTellsWhichClientsTheUnitServes) {
 TEST_F(Emulate, OverTcpEachClientGetsARunningTrial) {
   const fs::path trial = fs::path(HEADPIN_SOURCE_DIR) / "assets" / "trials" / "demo.lcmlog";
   start({"--tcp", "0", "--faults", "noise=0", trial});
-  const std::string line = [&] {
-    for (int i = 0; i < 500; ++i) {
-      std::ifstream file(folder_ / "out");
-      std::string name;
-      if (std::getline(file, name) && !file.eof()) return "tcp:" + name;
-      std::this_thread::sleep_for(10ms);
-    }
-    return std::string();
-  }();
+  const std::string line = tcp_line();
   ASSERT_TRUE(line.starts_with("tcp:127.0.0.1:")) << line;
   const scene::Trial recorded = scene::read_trial(trial);
   const devices::FastrakMotion motion = devices::seen_from(
@@ -191,6 +194,20 @@ TEST_F(Emulate, OverTcpEachClientGetsARunningTrial) {
     EXPECT_LT((first.X_TS.p - motion(first.station, Time{}).X_TS.p).norm(), 0.05) << client;
   }
   EXPECT_EQ(end(SIGTERM), 0);
+}
+
+// It heard the client until there was nothing more to hear, and neither ended nor sent records.
+TEST_F(Emulate, AClientThatSendsWithoutPauseDoesNotHoldIt) {
+  start({"--tcp", "0", "--motion", "still", "--duration", "1"});
+  const std::string line = tcp_line();
+  ASSERT_TRUE(line.starts_with("tcp:127.0.0.1:")) << line;
+  const auto client = devices::connect_tcp("127.0.0.1", std::stoi(line.substr(14)));
+  const std::vector<std::uint8_t> flood(65536, 0xff);
+  int status = 0;
+  while (waitpid(child_, &status, WNOHANG) == 0) client->write(flood);
+  child_ = -1;
+  EXPECT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -121,6 +122,33 @@ TEST(EmulatedUnitTest, PressAndReleaseMoveTheStylusSwitch) {
     EXPECT_TRUE(bench.unit.obey(down ? "press" : "release", bench.now));
     EXPECT_EQ((bench.hear(kSecond, 12).back().buttons & 1) != 0, down);
   }
+}
+
+/// A line whose client sends a megabyte at once.
+class FloodedLine : public ByteStream {
+ public:
+  std::size_t read(std::span<std::uint8_t> out) override {
+    const std::size_t n = std::min(out.size(), std::size_t{1'000'000} - heard);
+    std::fill_n(out.begin(), n, std::uint8_t{'c'});
+    heard += n;
+    return n;
+  }
+  std::size_t write(Bytes bytes) override { return bytes.size(); }
+  bool closed() const override { return false; }
+
+  std::size_t heard = 0;
+};
+
+TEST(EmulatedUnitTest, AStepEndsHoweverMuchAClientSends) {
+  Feed feed;
+  feed.motion = still_motion;
+  EmulatedUnit unit(exact_unit(), std::move(feed));
+  FloodedLine line;
+  unit.step(kTick, line);
+  EXPECT_GE(line.heard, 1000u);  // more than a real line brings while a program is held up
+  EXPECT_LE(line.heard, 10'000u);
+  for (int i = 2; i < 1000; ++i) unit.step(i * kTick, line);
+  EXPECT_EQ(line.heard, 1'000'000u);  // nothing is lost
 }
 
 TEST(EmulatedUnitTest, PowerCycleAndFaultsActAtOnce) {
