@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -19,6 +18,7 @@
 #include "base/output_file.h"
 #include "devices/base/sources.h"
 #include "devices/lcm/link.h"
+#include "scene/play/delays.h"
 #include "scene/play/player.h"
 #include "scene/record/file.h"
 #include "scene/record/publisher.h"
@@ -79,37 +79,6 @@ void publish_pose(devices::LcmLink& link, const scene::Rig& rig, const Pose& X_W
   }
 }
 
-/// A histogram of the delays of samples.
-class Lateness {
- public:
-  void add(double ms) {
-    most_ = std::max(most_, ms);
-    const double bin = ms > kLeast ? std::log(ms / kLeast) / kStep : 0.0;
-    ++counts_[std::min(static_cast<std::size_t>(bin), kBins - 1)];
-    ++all_;
-  }
-  bool any() const { return all_ > 0; }
-  /// The quantile of the delays, accurate to 1 % [ms].
-  double quantile(double share) const {
-    if (share >= 1.0 || all_ == 0) return most_;
-    std::int64_t before = 0;
-    for (std::size_t i = 0; i < kBins; ++i) {
-      before += counts_[i];
-      if (static_cast<double>(before) > share * static_cast<double>(all_ - 1)) {
-        return std::min(most_, kLeast * std::exp(kStep * static_cast<double>(i + 1)));
-      }
-    }
-    return most_;
-  }
-
- private:
-  static constexpr double kLeast = 1e-3, kStep = 0.01;  // of the bins' logarithms
-  static constexpr std::size_t kBins = 2100;            // beyond 10^6 s
-  std::vector<std::int64_t> counts_ = std::vector<std::int64_t>(kBins);
-  std::int64_t all_ = 0;
-  double most_ = 0.0;
-};
-
 /// The samples of a trial in the order in which they were available, one by one.
 class InOrder {
  public:
@@ -152,7 +121,7 @@ struct Streamed {
   std::int64_t sent = 0;
   Time end{};         ///< when the last one was available
   double took = 0.0;  ///< [s]
-  Lateness lateness;
+  scene::Delays lateness;
 };
 
 /// Publishes the samples, and repeats the header for later listeners.
@@ -176,7 +145,7 @@ Streamed publish_samples(const StreamOptions& options, const scene::TrialFile& f
       const auto due =
           start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(after));
       if (!wait_until(due)) break;
-      done.lateness.add(std::chrono::duration<double, std::milli>(Clock::now() - due).count());
+      done.lateness.add(std::chrono::duration<double>(Clock::now() - due).count());
     }
     if (!announced || Clock::now() - *announced >= std::chrono::seconds(1)) {
       scene::publish(link, file.summary().header);
@@ -192,21 +161,22 @@ Streamed publish_samples(const StreamOptions& options, const scene::TrialFile& f
 }
 
 void print_streamed(const StreamOptions& options, const Streamed& done, std::int64_t all) {
-  const Lateness& late = done.lateness;
+  const scene::Delays& late = done.lateness;
   if (options.json) {
     print_json({{"trial", options.trial},
                 {"samples", done.sent},
                 {"complete", done.sent == all},
                 {"duration_s", done.took},
-                {"lateness_median_s", 1e-3 * late.quantile(0.5)},
-                {"lateness_p99_s", 1e-3 * late.quantile(0.99)},
-                {"lateness_max_s", 1e-3 * late.quantile(1.0)}});
+                {"lateness_median_s", late.quantile(0.5)},
+                {"lateness_p99_s", late.quantile(0.99)},
+                {"lateness_max_s", late.quantile(1.0)}});
     return;
   }
   std::cout << fmt::format("{} of {} samples in {:.3f} s", done.sent, all, done.took);
-  if (late.any()) {
+  if (late.count() > 0) {
     std::cout << fmt::format("; late by {:.3f} ms (median), {:.3f} ms (99 %), {:.3f} ms at most",
-                             late.quantile(0.5), late.quantile(0.99), late.quantile(1.0));
+                             1e3 * late.quantile(0.5), 1e3 * late.quantile(0.99),
+                             1e3 * late.quantile(1.0));
   }
   std::cout << "\n";
 }

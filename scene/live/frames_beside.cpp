@@ -15,7 +15,7 @@ double seconds_between(RealTime::Clock::time_point a, RealTime::Clock::time_poin
 }  // namespace
 
 void FrameLatency::add(const FrameStages& stages) {
-  each_s.push_back(stages.sum());
+  each.add(stages.sum());
   total.ticked += stages.ticked;
   total.waited += stages.waited;
   total.drawn += stages.drawn;
@@ -23,7 +23,7 @@ void FrameLatency::add(const FrameStages& stages) {
 }
 
 FrameStages FrameLatency::mean() const {
-  const auto n = static_cast<double>(std::max<std::size_t>(1, each_s.size()));
+  const auto n = static_cast<double>(std::max<std::int64_t>(1, each.count()));
   return {total.ticked / n, total.waited / n, total.drawn / n, total.published / n};
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "render/fingerprint.h"
+#include "scene/play/delays.h"
 #include "scene/watch/eye_frames.h"
 
 /// Frames of both eyes, drawn while a live session runs.
@@ -30,7 +31,7 @@ struct FrameStages {
 
 /// The latencies of all frames with a new sample.
 struct FrameLatency {
-  std::vector<double> each_s;  ///< sums
+  Delays each;  ///< sums of the stages
   FrameStages total;
 
   void add(const FrameStages& stages);

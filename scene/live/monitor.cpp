@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "scene/play/quantile.h"
 #include "scene/record/details.h"
 #include "scene/record/events.h"
 
@@ -52,9 +51,9 @@ LiveState LiveMonitor::state(const Session& session) const {
   state.late_frames = eyes_.late();
   state.drawing_failures = drawing_failures_;
   state.overruns = pace_.overruns();
-  state.fresh_frames = static_cast<std::int64_t>(latency_.each_s.size());
-  state.latency_median_s = quantile(latency_.each_s, 0.5);
-  state.latency_p99_s = quantile(latency_.each_s, 0.99);
+  state.fresh_frames = latency_.each.count();
+  state.latency_median_s = latency_.each.quantile(0.5);
+  state.latency_p99_s = latency_.each.quantile(0.99);
   state.latency_mean = latency_.mean();
   for (const devices::OpenSource& one : sources_.each()) {
     state.sources.push_back({one.name, one.source->status(session.now())});

@@ -25,7 +25,7 @@ struct LiveState {
   std::int64_t frames = 0, late_frames = 0, drawing_failures = 0;
   std::int64_t overruns = 0;      ///< ticks that began after the next one was due
   std::int64_t fresh_frames = 0;  ///< that showed a new sample of the head
-  double latency_median_s = 0.0, latency_p99_s = 0.0;  ///< from that sample to its frame
+  double latency_median_s = 0.0, latency_p99_s = 0.0;  ///< from that sample to its frame, to 1 %
   FrameStages latency_mean;
   std::vector<Source> sources;
 };
