@@ -258,6 +258,68 @@ TEST_P(FastrakClientTest, GetsWhatItNeedsToGoOn) {
   }
 }
 
+/// A client's end of a line at another rate, which the unit has too.
+class AtRate : public Client {
+ public:
+  explicit AtRate(FastrakEmulatorOptions options)
+      : Client(std::move(options), Tty::raw, still_motion), baud_(emulator.baud()) {}
+  int baud() const override { return baud_; }
+
+ private:
+  int baud_;
+};
+
+// Slow lines made good units fail: a unit drops whole records, so that two receivers have 40 records
+// a second at 19200 baud, where the bytes alone would fit 60; and a set takes longer than 60 ms.
+TEST_P(FastrakClientTest, GetsAsMuchAsASlowLineCarries) {
+  if (GetParam() == "FreeVR") GTEST_SKIP() << "waits 40 ms only for 55 bytes";
+  for (const int baud : {9600, 19200}) {
+    for (int stations = 2; stations <= 4; stations += 2) {
+      if (stations < client_named(GetParam()).least_stations) continue;
+      SCOPED_TRACE(std::to_string(stations) + " receivers, " + std::to_string(baud) + " baud");
+      FastrakEmulatorOptions options = plugged(stations);
+      options.baud = baud;
+      AtRate line(options);
+      EXPECT_GT(expect_served(line, GetParam(), stations, 4s).size(), 10u);
+    }
+  }
+}
+
+TEST(FastrakClientsTest, ReadingsAgreeOnTheSlowestLine) {
+  FastrakEmulatorOptions options = plugged(4);
+  options.baud = 2400;
+  AtRate line(options);
+  std::vector<FastrakDemand> demands;
+  EXPECT_EQ(examine_readings(line, demands), 4);
+  for (const FastrakDemand& demand : demands) EXPECT_TRUE(demand.met) << demand.what;
+}
+
+/// A unit that leaves out every other record of its stream.
+class HalfAsFast : public Client {
+ public:
+  using Client::Client;
+  std::string wait(Time span, std::size_t enough = std::string::npos) override {
+    std::string heard = Client::wait(span, enough);
+    if (sent() != "C") return heard;
+    std::string half;
+    const auto length = fastrak_record_length({{2, 4, 1}, false, false});
+    for (std::size_t at = 0; at + length <= heard.size(); at += 2 * length) {
+      half += heard.substr(at, length);
+    }
+    return half;
+  }
+};
+
+TEST(FastrakClientsTest, AUnitThatSendsTooFewRecordsIsToldTheirNumberASecond) {
+  HalfAsFast line(plugged(1));
+  std::vector<FastrakDemand> demands;
+  run_client(client_named("ROS 2 node"), line, 1, 2s, demands);
+  ASSERT_FALSE(demands.empty());
+  EXPECT_FALSE(demands.back().met);
+  EXPECT_EQ(demands.back().what, "about 120 records a second");
+  EXPECT_EQ(demands.back().found, "60 a second");
+}
+
 // A unit as `emulate TRIAL` makes it, at clients that set neither envelope nor, most, hemisphere.
 TEST_P(FastrakClientTest, GetsTheWholeBundledTrial) {
   const FastrakClient& client = client_named(GetParam());
