@@ -309,6 +309,7 @@ void OutputFile::commit() {
     if (!options_.live) remove_part();
     throw;
   }
+  close_all();  // also the folder: many finished files may live on as objects
 }
 
 }  // namespace headpin::base

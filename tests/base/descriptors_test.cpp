@@ -4,6 +4,7 @@
 #include <cstring>
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -143,6 +144,21 @@ TEST(Descriptors, OfWhatIsReadMayBeNought) {
     EXPECT_GE(nameless, 0);
     close(nameless);
   });
+}
+
+// Each finished file kept its folder open: a server that records games had no descriptors at last.
+TEST(Descriptors, OfFinishedFilesAreClosedThoughTheFilesLiveOn) {
+  const TemporaryFolder folder;
+  const std::ptrdiff_t before = open_files();
+  std::vector<OutputFile> finished;
+  for (const bool live : {false, true}) {
+    finished.emplace_back((folder / (live ? "live" : "whole")).string(),
+                          OutputFile::Options{.live = live});
+    finished.back().write("text", 4);
+    EXPECT_GT(open_files(), before);
+    finished.back().commit();
+    EXPECT_EQ(open_files(), before);
+  }
 }
 
 TEST(AProcess, IsGoneWhenItHasEndedThoughNobodyAskedForItsEnd) {
