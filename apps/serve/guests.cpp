@@ -101,7 +101,7 @@ std::int64_t Guests::add(std::string_view token, const std::string& key, std::in
                          std::span<const std::uint8_t> piece) {
   Guest& guest = playing(token, key);
   if (guest.state == Guest::State::ended) throw Refused(409, "this game has ended");
-  if (at + static_cast<std::int64_t>(piece.size()) > kLongestLog) {
+  if (at > kLongestLog - static_cast<std::int64_t>(piece.size())) {
     throw Refused(413, fmt::format("the log is longer than {} bytes", kLongestLog));
   }
   try {

@@ -11,6 +11,7 @@
 
 #include "apps/command.h"
 #include "apps/serve/guests.h"
+#include "base/lock.h"
 
 namespace headpin::apps {
 
@@ -29,6 +30,12 @@ struct Address {
   const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&storage); }
 };
 
+[[noreturn]] void refuse_address(const std::string& address) {
+  throw UsageError(fmt::format(
+      "--bind: expected an address of this machine, such as 127.0.0.1 or 0.0.0.0, found '{}'",
+      address));
+}
+
 Address address_of(const std::string& text, int port) {
   Address out;
   auto* const v4 = reinterpret_cast<sockaddr_in*>(&out.storage);
@@ -44,9 +51,17 @@ Address address_of(const std::string& text, int port) {
     out.v6 = true;
     return out;
   }
-  throw UsageError(fmt::format(
-      "--bind: expected an address of this machine, such as 127.0.0.1 or 0.0.0.0, found '{}'",
-      text));
+  refuse_address(text);
+}
+
+/// Says why nothing could listen. @param error  errno; 0: what the system was asked for was right
+[[noreturn]] void throw_why(const WebServer::Options& options, int error) {
+  if (error == EADDRNOTAVAIL) refuse_address(options.address);
+  const std::string what =
+      fmt::format("cannot listen at {}, port {}: {}", options.address, options.port,
+                  error != 0 ? std::strerror(error) : "the certificate or its key is unusable");
+  if (error == EADDRINUSE) throw base::Busy(what);
+  throw std::runtime_error(what);
 }
 
 /// A request while its body comes.
@@ -170,9 +185,7 @@ WebServer::WebServer(const Options& options, Most most, Answer answer)
                                      nullptr, &Daemon::on_request, daemon_.get(), MHD_OPTION_ARRAY,
                                      items.data(), MHD_OPTION_END);
   if (daemon_->daemon != nullptr) return;
-  throw std::runtime_error(
-      fmt::format("cannot listen at {}, port {}: {}", options.address, options.port,
-                  errno != 0 ? std::strerror(errno) : "the certificate or its key is unusable"));
+  throw_why(options, errno);
 }
 
 WebServer::~WebServer() = default;

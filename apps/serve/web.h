@@ -42,7 +42,9 @@ class WebServer {
   using Answer = std::function<WebAnswer(const WebRequest&)>;
 
   /// Starts to answer.
-  /// @throws std::runtime_error  naming address and port, when they cannot be used
+  /// @throws base::Busy          naming address and port, when the port is taken
+  /// @throws UsageError          when the address is none of this machine
+  /// @throws std::runtime_error  naming address and port, when they cannot be used otherwise
   WebServer(const Options& options, Most most, Answer answer);
   /// Closes all connections.
   ~WebServer();

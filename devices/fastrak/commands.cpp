@@ -377,6 +377,14 @@ constexpr std::array<Command, 20> kCommands = {
      {'R', no_alignment},     {'r', mounting},       {'T', built_in_test}, {'V', position_envelope},
      {'v', filter},           {'X', identification}, {'x', filter},        {'y', synchronisation}}};
 
+/// The station that a refusal names, 1 to 4: the one in the first field, or 1.
+int refused_station(const Line& line) {
+  constexpr std::string_view kOfWholeUnit = "oTvXxy";  // commands without a station
+  if (kOfWholeUnit.find(line.letter) != std::string_view::npos) return 1;
+  const std::string_view first = line.fields[0];
+  return first.size() == 1 && first[0] >= '1' && first[0] <= '4' ? first[0] - '0' : 1;
+}
+
 }  // namespace
 
 bool is_fastrak_line_command(char letter) {
@@ -408,11 +416,9 @@ std::string carry_out(std::string_view text, FastrakMemory& memory) {
   try {
     return command->carry_out(line, memory);
   } catch (const RefusedField& refused) {
-    const std::string_view first = line.fields[0];
-    const bool known = first.size() == 1 && first[0] >= '1' && first[0] <= '4';
     const std::size_t position =
         refused.field < line.starts.size() ? line.starts[refused.field] : text.size();
-    throw FastrakRefused{refused.why, refused.field, position, known ? first[0] - '0' : 1};
+    throw FastrakRefused{refused.why, refused.field, position, refused_station(line)};
   }
 }
 

@@ -228,6 +228,7 @@ TEST_F(Serve, TooLongBodiesAreRefusedInFlatMemory) {
     for (int i = 0; i < 200 && connection.send(more); ++i) continue;
     EXPECT_EQ(connection.rest().find("200 OK"), std::string::npos);
   }
+  EXPECT_EQ(post(links_[0], "log?at=9223372036854775807", "x").status, 413);  // the largest number
   EXPECT_EQ(guest(0)["bytes"], 0);
   EXPECT_LT(most_memory_kb(), 400'000);  // under sanitizers too
   EXPECT_EQ(ask("GET", operator_).status, 200);
@@ -331,6 +332,7 @@ TEST_F(Serve, RefusesInWords) {
   expect_refusal("serve" + pages, 2, "--output");
   expect_refusal("serve -o OUT --key k.pem" + pages, 2, "--certificate and --key");
   expect_refusal("serve -o OUT --bind nowhere" + pages, 2, "--bind");
+  expect_refusal("serve -o OUT --bind 198.51.100.77" + pages, 2, "--bind: expected an address of");
   expect_refusal("serve -o OUT --port 70000" + pages, 2, "70000");
   expect_refusal("serve -o OUT --certificate page.html --key page.html" + pages, 1, "certificate");
   expect_refusal("serve no-such-room -o OUT" + pages, 1, "no-such-room");
@@ -339,7 +341,8 @@ TEST_F(Serve, RefusesInWords) {
   expect_refusal("serve study -o OUT" + pages, 2, "--output");
   expect_refusal("serve study --friction 0.1" + pages, 2, "the plan of a study");
   start("paper-room -o games");
-  expect_refusal(fmt::format("serve -o OUT --port {}", port_) + pages, 1, "Address already in use");
+  expect_refusal(fmt::format("serve -o OUT --port {}", port_) + pages, 75,
+                 "Address already in use");
 }
 
 }  // namespace

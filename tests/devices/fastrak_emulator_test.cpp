@@ -99,6 +99,7 @@ TEST(FastrakGrammarTest, RefusalsSayWhereAndWhy) {
   EXPECT_THAT(unit.ask("H\r"), HasSubstr("EC -1 *PS  1 *FL 0 *ST 0"));
   EXPECT_THAT(unit.ask("H5,1\r"), HasSubstr("EC -3 *PS  1 *FL 0"));
   EXPECT_THAT(unit.ask("l1,2\r"), HasSubstr("EC -3 *PS  3 *FL 1"));
+  EXPECT_THAT(unit.ask("y3\r"), HasSubstr("EC -3 *PS  1 *FL 0 *ST 0"));  // of the whole unit
   EXPECT_THAT(unit.ask("X" + std::string(300, 'a') + "\r"), HasSubstr("EC -5"));
 }
 
