@@ -29,8 +29,8 @@ FastrakDriver::FastrakDriver(std::unique_ptr<ByteStream> stream, Clocks& clocks,
 std::string FastrakDriver::activity() const {
   if (const std::string trouble = stream_->trouble(); !trouble.empty()) return trouble;
   if (lost_) return "about to start it again";
-  const std::string attempt =
-      " (attempt " + std::to_string(attempt_ + 1) + ", " + std::to_string(baud_) + " baud)";
+  const std::string rate = stream_->has_baud() ? ", " + std::to_string(baud_) + " baud" : "";
+  const std::string attempt = " (attempt " + std::to_string(attempt_ + 1) + rate + ")";
   switch (phase_) {
     case Phase::stopping:
       return "stopping what it was doing" + attempt;
@@ -144,7 +144,7 @@ void FastrakDriver::try_again(Time now) {
   // Rounds of eight attempts: stop the unit, end a half-typed line, re-initialise it, then repeat
   // with longer waits. From the second round on, use the other rates in turn, two attempts each.
   const int place = attempt_ % 8;
-  if (options_.search_baud && attempt_ >= 8) {
+  if (options_.search_baud && stream_->has_baud() && attempt_ >= 8) {
     // Downwards from the unit's own rate, repeatedly.
     const auto own = std::find(kFastrakBauds.rbegin(), kFastrakBauds.rend(), options_.baud) -
                      kFastrakBauds.rbegin();

@@ -40,6 +40,9 @@ constexpr std::array<std::pair<int, speed_t>, 7> kRates = {{{2400, B2400},
 /// Bytes that a reader may leave before the sender has to wait: as many as a terminal can hold.
 constexpr int kSocketBuffer = 4096;
 
+/// How long the other end of a connection may leave bytes without an answer [ms].
+constexpr unsigned kNoAnswer = 8000;
+
 [[noreturn]] void fail(const std::string& what) {
   if (errno == EADDRINUSE) throw base::Busy(what + ": " + std::strerror(errno));
   throw std::runtime_error(what + ": " + std::strerror(errno));
@@ -156,6 +159,7 @@ class Socket : public ByteStream {
   std::size_t write(Bytes bytes) override { return gone_ ? 0 : send_some(fd_, bytes, &gone_); }
   bool closed() const override { return gone_; }
   int descriptor() const override { return fd_; }
+  bool has_baud() const override { return false; }
 
  private:
   int fd_;
@@ -305,6 +309,9 @@ std::unique_ptr<ByteStream> connect_tcp(const std::string& host, int port,
   freeaddrinfo(found);
   if (fd < 0) fail(nobody);
   prepare_socket(fd);
+  notice_death(fd);
+  const unsigned patient = kNoAnswer;
+  setsockopt(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &patient, sizeof patient);
   return std::make_unique<Socket>(fd);
 }
 

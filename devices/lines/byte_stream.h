@@ -44,6 +44,8 @@ class ByteStream {
 
   /// Sets the baud rate, if the line has one.
   virtual void set_baud(int) {}
+  /// False where bytes go as fast as they can, and no rate can be wrong.
+  virtual bool has_baud() const { return true; }
 };
 
 /// Opens a serial port: raw, 8-N-1, without flow control. Discards bytes that arrived before.
@@ -54,7 +56,8 @@ class ByteStream {
 /// @throws std::invalid_argument  at another rate
 std::unique_ptr<ByteStream> open_serial(const std::string& path, int baud);
 
-/// Connects to a byte stream on TCP.
+/// Connects to a byte stream on TCP. It is closed about 8 s after the other end went away without a
+/// word, as a machine does that is switched off.
 ///
 /// @param host      name or number
 /// @param patience  how long to wait for an answer

@@ -86,6 +86,10 @@ std::string LastingLine::trouble() const {
          "; waiting for it to come back";
 }
 
+bool LastingLine::has_baud() const {
+  return !name_.starts_with(kTcp);
+}
+
 void LastingLine::set_baud(int baud) {
   baud_ = baud;
   if (there()) set_rate();

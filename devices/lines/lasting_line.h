@@ -30,6 +30,7 @@ class LastingLine : public ByteStream {
   std::string trouble() const override;
   int descriptor() const override { return line_ ? line_->descriptor() : -1; }
   void set_baud(int baud) override;
+  bool has_baud() const override;
 
  private:
   bool there();

@@ -15,7 +15,7 @@ constexpr int kNap_ms = 4;               // between checks of a silent line
 }  // namespace
 
 StampedStream::StampedStream(std::unique_ptr<ByteStream> stream, Clock clock)
-    : clock_(std::move(clock)), stream_(std::move(stream)) {}
+    : clock_(std::move(clock)), stream_(std::move(stream)), has_baud_(stream_->has_baud()) {}
 
 StampedStream::~StampedStream() {
   stopping_ = true;

@@ -44,6 +44,7 @@ class StampedStream : public ByteStream {
   bool closed() const override;
   std::string trouble() const override;
   void set_baud(int baud) override;
+  bool has_baud() const override { return has_baud_; }
 
  private:
   struct Waiting {
@@ -61,7 +62,8 @@ class StampedStream : public ByteStream {
 
   Clock clock_;
   std::unique_ptr<ByteStream> stream_;  ///< used only by the thread that listens
-  mutable std::mutex pile_;             ///< for the bytes that were read, and all members below
+  const bool has_baud_;
+  mutable std::mutex pile_;  ///< for the bytes that were read, and all members below
   std::deque<Waiting> pieces_;
   std::size_t waiting_ = 0;  ///< bytes in them
   std::deque<Order> orders_;

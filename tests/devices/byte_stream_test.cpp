@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <termios.h>
@@ -297,6 +298,23 @@ TEST(TcpServerTest, ASecondClientIsHungUpAndTheFirstKeepsTheLine) {
                 "for it to come back");
   put(*first, "P");
   EXPECT_EQ(get(server, 1), "P");
+}
+
+int option_of(const ByteStream& stream, int level, int name) {
+  int value = 0;
+  socklen_t size = sizeof value;
+  EXPECT_EQ(getsockopt(stream.descriptor(), level, name, &value, &size), 0);
+  return value;
+}
+
+// A session waited for a unit whose machine was gone until the system gave it up, after a quarter of an
+// hour, or the unit's machine refused the old connection.
+TEST(TcpClientTest, AsksASilentUnitForASignOfLifeAndGivesUpAfterEightSeconds) {
+  const TcpServer server(0);
+  const auto client = connect_tcp("127.0.0.1", server.port());
+  EXPECT_EQ(option_of(*client, SOL_SOCKET, SO_KEEPALIVE), 1);
+  EXPECT_EQ(option_of(*client, IPPROTO_TCP, TCP_KEEPIDLE), 4);
+  EXPECT_EQ(option_of(*client, IPPROTO_TCP, TCP_USER_TIMEOUT), 8000);
 }
 
 TEST(TcpServerTest, NobodyThereLosesTheBytes) {

@@ -238,6 +238,21 @@ TEST(FastrakDriverTest, SoDoesOneBehindAnEthernetAdapter) {
   a_line_that_hangs_up_and_comes_back_goes_on(ethernet);
 }
 
+// Of a TCP line it told the rate that it was searching, as if that line had one.
+TEST(FastrakDriverTest, OnlyALineWithARateIsSearchedForIt) {
+  const TcpServer silent(0);
+  auto [unit_end, host_end] = memory_streams();
+  for (const bool tcp : {true, false}) {
+    Clocks clocks;
+    FastrakDriver driver(tcp ? open_line("tcp:" + silent.name(), 115200) : std::move(host_end),
+                         clocks);
+    std::vector<Sample> none;
+    for (Time now{}; driver.statistics().attempts < 20; now += 10ms) driver.poll(now, none);
+    EXPECT_THAT(driver.activity(), testing::HasSubstr("(attempt 20"));
+    EXPECT_EQ(driver.activity().find("baud") == std::string::npos, tcp) << driver.activity();
+  }
+}
+
 TEST(FastrakDriverTest, ALineThatCannotBeOpenedIsNamed) {
   for (const char* name :
        {"", "tcp:", "tcp:localhost", "tcp:localhost:0", "tcp:localhost:x", "tcp::1"}) {
