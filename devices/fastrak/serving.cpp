@@ -25,6 +25,7 @@ Time begin_of(const TrackerSample& first, const FastrakEmulator& emulator, Time 
 }
 
 void serve(FastrakEmulator& emulator, ByteStream& stream, Time now) {
+  if (stream.renewed()) emulator.taken(emulator.due(emulator.now()).size());
   // After a delay of the server, the bytes that would have left by now are passed on in pieces.
   // They may be more than the outbox can hold, although no reader was late.
   for (Time then = emulator.now() + kPiece; then < now; then += kPiece) {

@@ -40,9 +40,6 @@ constexpr std::array<std::pair<int, speed_t>, 7> kRates = {{{2400, B2400},
 /// Bytes that a reader may leave before the sender has to wait: as many as a terminal can hold.
 constexpr int kSocketBuffer = 4096;
 
-/// How long the other end of a connection may leave bytes without an answer [ms].
-constexpr unsigned kNoAnswer = 8000;
-
 [[noreturn]] void fail(const std::string& what) {
   if (errno == EADDRINUSE) throw base::Busy(what + ": " + std::strerror(errno));
   throw std::runtime_error(what + ": " + std::strerror(errno));
@@ -184,7 +181,8 @@ void notice_death(int fd) {
   set(IPPROTO_TCP, TCP_KEEPCNT, 3);
 }
 
-/// Whether the peer of a socket has closed it, or its machine has given no sign of life for a while.
+/// Whether the peer of a socket has closed it, or its machine has given no sign of life for a while:
+/// a living one that does not read may be asked for a minute apart only, but leaves nothing unanswered.
 bool has_left(int fd) {
   constexpr std::uint32_t kLong = 10'000;  // ms
   pollfd state{fd, POLLRDHUP, 0};
@@ -192,7 +190,7 @@ bool has_left(int fd) {
   tcp_info info{};
   socklen_t size = sizeof info;
   return getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) == 0 &&
-         info.tcpi_last_ack_recv > kLong;
+         info.tcpi_last_ack_recv > kLong && info.tcpi_probes + info.tcpi_retransmits > 0;
 }
 
 /// Connects a socket that does not block; sets errno when that fails.
@@ -310,7 +308,7 @@ std::unique_ptr<ByteStream> connect_tcp(const std::string& host, int port,
   if (fd < 0) fail(nobody);
   prepare_socket(fd);
   notice_death(fd);
-  const unsigned patient = kNoAnswer;
+  const unsigned patient = 8000;  // ms without an answer to bytes that were sent
   setsockopt(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &patient, sizeof patient);
   return std::make_unique<Socket>(fd);
 }
@@ -381,6 +379,16 @@ int PseudoTerminal::client_baud() const {
   return 0;
 }
 
+/// The system may tell several openings or closings as one; a terminal that was full is therefore
+/// taken for one that nobody had.
+void PseudoTerminal::note_open() {
+  if (clients_++ > 0 && !full_) return;
+  tcflush(slave_, TCIFLUSH);
+  clients_ = 1;
+  full_ = false;
+  renewed_ = true;
+}
+
 void PseudoTerminal::forget_output_of_the_absence() {
   alignas(inotify_event) std::array<char, 4096> events{};
   ssize_t n = 0;
@@ -388,11 +396,8 @@ void PseudoTerminal::forget_output_of_the_absence() {
     for (ssize_t at = 0; at + static_cast<ssize_t>(sizeof(inotify_event)) <= n;) {
       inotify_event event{};
       std::memcpy(&event, events.data() + at, sizeof event);
-      if ((event.mask & IN_OPEN) && left_) {
-        tcflush(slave_, TCIFLUSH);
-        left_ = false;
-      }
-      if (event.mask & IN_CLOSE) left_ = true;
+      if (event.mask & IN_OPEN) note_open();
+      if (event.mask & IN_CLOSE) clients_ = std::max(0, clients_ - 1);
       at += static_cast<ssize_t>(sizeof event + event.len);
     }
   }
@@ -413,7 +418,9 @@ std::size_t PseudoTerminal::write(Bytes bytes) {
     garble(other);
     bytes = other;
   }
+  if (clients_ == 0) tcflush(slave_, TCIFLUSH);  // nobody hears what was sent
   const ssize_t n = ::write(master_, bytes.data(), bytes.size());
+  full_ |= n <= 0 && !bytes.empty();
   return n > 0 ? static_cast<std::size_t>(n) : 0;
 }
 
@@ -465,6 +472,7 @@ void TcpServer::accept_newcomer() {
   }
   hang_up();
   client_ = newcomer;
+  renewed_ = true;
   prepare_socket(client_);
   notice_death(client_);
 }

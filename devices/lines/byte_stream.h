@@ -33,6 +33,10 @@ class ByteStream {
   /// @return  number of written bytes; the caller offers the rest again
   virtual std::size_t write(Bytes bytes) = 0;
 
+  /// Whether another client has come since the last call. Bytes that the one before it has not taken
+  /// are not for it.
+  virtual bool renewed() { return false; }
+
   /// True when no more bytes can arrive.
   virtual bool closed() const = 0;
 
@@ -101,10 +105,15 @@ class PseudoTerminal : public ByteStream {
 
   std::size_t read(std::span<std::uint8_t> out) override;
   std::size_t write(Bytes bytes) override;
+  bool renewed() override {
+    forget_output_of_the_absence();
+    return std::exchange(renewed_, false);
+  }
   bool closed() const override { return false; }
   int descriptor() const override { return master_; }
 
  private:
+  void note_open();
   void forget_output_of_the_absence();
   bool garbled() const { return expected_baud_ != 0 && client_baud() != expected_baud_; }
 
@@ -112,7 +121,9 @@ class PseudoTerminal : public ByteStream {
   int slave_ = -1;  ///< kept open, so that settings survive the clients
   int watch_ = -1;  ///< inotify: clients opening and closing
   int expected_baud_ = 0;
-  bool left_ = true;  ///< a client has closed it, or none was there yet
+  int clients_ = 0;       ///< that have it open
+  bool full_ = false;     ///< took no byte since the last client came
+  bool renewed_ = false;  ///< a client came after all others had gone
   std::string name_;
   std::string link_;
 };
@@ -138,10 +149,15 @@ class TcpServer : public ByteStream {
 
   std::size_t read(std::span<std::uint8_t> out) override;
   std::size_t write(Bytes bytes) override;
+  bool renewed() override {
+    accept_newcomer();
+    return std::exchange(renewed_, false);
+  }
   bool closed() const override { return false; }
   int descriptor() const override { return client_ >= 0 ? client_ : listener_; }
 
  private:
+  bool renewed_ = false;
   void accept_newcomer();
   void hang_up();
 

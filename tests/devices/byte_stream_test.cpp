@@ -122,6 +122,29 @@ TEST(PseudoTerminalTest, WhatWasSaidToNobodyIsLost) {
   ::close(fd);
 }
 
+// `stty` and the like open a terminal for a moment: what waits for its reader must stay.
+TEST(PseudoTerminalTest, WhoOpensItForAMomentTakesNothingFromTheReader) {
+  PseudoTerminal pty;
+  const auto port = open_serial(pty.name(), 9600);
+  EXPECT_TRUE(pty.renewed());
+  put(pty, "waiting ");
+  for (int i = 0; i < 3; ++i) {
+    ::close(::open(pty.name().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK));
+    put(pty, "more ");
+  }
+  EXPECT_EQ(get(*port, 23), "waiting more more more ");
+  EXPECT_FALSE(pty.renewed());
+}
+
+TEST(PseudoTerminalTest, WithNobodyThereItNeverFills) {
+  PseudoTerminal pty;
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(put(pty, std::string(100, 'x')), 100u);
+  const auto port = open_serial(pty.name(), 9600);
+  EXPECT_TRUE(pty.renewed());
+  put(pty, "new");
+  EXPECT_EQ(get(*port, 3), "new");
+}
+
 TEST(PseudoTerminalTest, AReaderWhoDoesNotReadStopsTheWriterAndNotTheProgram) {
   PseudoTerminal pty;
   const auto port = open_serial(pty.name(), 9600);
@@ -333,23 +356,63 @@ TEST(TcpServerTest, AReaderWhoDoesNotReadStopsTheWriter) {
   EXPECT_LT(taken, 10'000'000u);
 }
 
-// Records that wait in the machine are old when they are read. What one machine holds for another is
-// what the writer's socket takes and what the reader's takes; the latter is made small here.
-TEST(TcpServerTest, WhoReadsLateFindsFewRecordsThatWaited) {
-  TcpServer server(0);
+/// A client whose machine holds few bytes that were not read.
+int client_with_little_room(int port) {
   const int client = socket(AF_INET, SOCK_STREAM, 0);
   const int few = 4096;
   setsockopt(client, SOL_SOCKET, SO_RCVBUF, &few, sizeof few);
   sockaddr_in to{};
   to.sin_family = AF_INET;
-  to.sin_port = htons(static_cast<std::uint16_t>(server.port()));
+  to.sin_port = htons(static_cast<std::uint16_t>(port));
   to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  ASSERT_EQ(connect(client, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+  EXPECT_EQ(connect(client, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+  return client;
+}
+
+// Records that wait in the machine are old when they are read. What one machine holds for another is
+// what the writer's socket takes and what the reader's takes; the latter is made small here.
+TEST(TcpServerTest, WhoReadsLateFindsFewRecordsThatWaited) {
+  TcpServer server(0);
+  const int client = client_with_little_room(server.port());
   std::size_t taken = 0;
   for (int i = 0; i < 100'000; ++i) taken += put(server, std::string(100, 'x'));
   EXPECT_GT(taken, 0u);
   EXPECT_LT(taken, 50'000u);  // unlimited, Linux takes millions
   close(client);
+}
+
+TEST(TcpServerTest, SaysThatAnotherClientHasCome) {
+  TcpServer server(0);
+  EXPECT_FALSE(server.renewed());
+  for (int i = 0; i < 2; ++i) {
+    const auto client = connect_tcp("127.0.0.1", server.port());
+    std::array<std::uint8_t, 8> bytes{};
+    while (!server.renewed()) server.read(bytes);
+    EXPECT_FALSE(server.renewed());
+  }
+}
+
+// The system asks such a client now and then, and less and less often. That it is asked rarely was
+// taken for its absence.
+TEST(TcpServerTest, AClientThatDoesNotReadKeepsTheLineWhileItsMachineAnswers) {
+  TcpServer server(0);
+  const int first = client_with_little_room(server.port());
+  tcp_info info{};
+  while (info.tcpi_last_ack_recv <= 11'000) {  // ms; after about half a minute
+    put(server, std::string(100, 'x'));
+    poll(nullptr, 0, 1);
+    socklen_t size = sizeof info;
+    ASSERT_EQ(getsockopt(server.descriptor(), IPPROTO_TCP, TCP_INFO, &info, &size), 0);
+  }
+  const int line = server.descriptor();
+  const auto second = connect_tcp("127.0.0.1", server.port());
+  std::array<std::uint8_t, 8> bytes{};
+  while (!second->closed()) {
+    put(server, "x");
+    second->read(bytes);
+  }
+  EXPECT_EQ(server.descriptor(), line);
+  ::close(first);
 }
 
 TEST(TcpServerTest, ATakenPortIsAnError) {

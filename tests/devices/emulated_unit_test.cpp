@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -149,6 +150,45 @@ TEST(EmulatedUnitTest, AStepEndsHoweverMuchAClientSends) {
   EXPECT_LE(line.heard, 10'000u);
   for (int i = 2; i < 1000; ++i) unit.step(i * kTick, line);
   EXPECT_EQ(line.heard, 1'000'000u);  // nothing is lost
+}
+
+/// A line whose client starts the stream and reads nothing, until another one takes its place.
+class ReplacedLine : public ByteStream {
+ public:
+  std::size_t read(std::span<std::uint8_t> out) override {
+    if (std::exchange(told, true)) return 0;
+    out[0] = 'C';
+    return 1;
+  }
+  std::size_t write(Bytes bytes) override {
+    if (!reads) return 0;
+    heard += bytes.size();
+    return bytes.size();
+  }
+  bool renewed() override { return std::exchange(is_new, false); }
+  bool closed() const override { return false; }
+
+  bool told = false, reads = false, is_new = false;
+  std::size_t heard = 0;
+};
+
+TEST(EmulatedUnitTest, WhatOneClientLeavesIsNotForTheNext) {
+  for (const bool another : {false, true}) {
+    Feed feed;
+    feed.motion = still_motion;
+    EmulatedUnit unit(exact_unit(), std::move(feed));
+    ReplacedLine line;
+    Time now{};
+    while (now < 5 * kSecond) unit.step(now += kTick, line);
+    line.reads = true;
+    line.is_new = another;
+    unit.step(now += kTick, line);
+    if (another) {
+      EXPECT_LT(line.heard, 100u);  // the record that is just sent
+    } else {
+      EXPECT_GT(line.heard, 1000u);  // that waited
+    }
+  }
 }
 
 TEST(EmulatedUnitTest, PowerCycleAndFaultsActAtOnce) {
