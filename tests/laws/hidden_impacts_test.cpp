@@ -14,7 +14,7 @@
 namespace headpin::engine {
 namespace {
 
-constexpr Material kElastic{1.0, 0.0};
+constexpr Material kSmoothElastic{1.0, 0.0};
 
 World without_gravity(int rules, int rate_hz = 240, Query::Mode mode = Query::converged) {
   Parameters parameters;
@@ -31,12 +31,12 @@ struct Dumbbell {
   static constexpr double kRadius = 0.03, kArm = 0.2, kSlow = 1e-4, kFast = 8e-3;
 
   explicit Dumbbell(double left_sinks, int rules) : world(without_gravity(rules)) {
-    add_body(world, floor_body(kElastic));
+    add_body(world, floor_body(kSmoothElastic));
     std::vector<Part> balls;
     for (const double x : {-kArm, kArm}) {
       balls.push_back({Ellipsoid{Vec3::Constant(kRadius)}, {Quat::Identity(), {x, 0, 0}}});
     }
-    Body body{.name = "dumbbell", .shape = make_compound(balls), .material = kElastic};
+    Body body{.name = "dumbbell", .shape = make_compound(balls), .material = kSmoothElastic};
     body.inertia = Vec3(0.002, 0.04, 0.04).asDiagonal();
     const double lean = std::asin((kFast - kSlow) / (2.0 * kArm));
     const Quat turn(Eigen::AngleAxisd(-lean, Vec3::UnitY()));
@@ -108,9 +108,9 @@ struct Struck {
 Struck strike(double beside, double from, int rate_hz, int rules) {
   constexpr double kRadius = 0.1085, kOther = 0.0605;
   World world = without_gravity(rules, rate_hz, Query::paper);
-  const BodyId ball = add_body(world, ball_body(kElastic, kRadius, 6.8),
+  const BodyId ball = add_body(world, ball_body(kSmoothElastic, kRadius, 6.8),
                                at(Vec3(-from, beside, 0.0), Vec3(6.0, 0.0, 0.0)));
-  const BodyId other = add_body(world, ball_body(kElastic, kOther, 1.588), at(Vec3::Zero()));
+  const BodyId other = add_body(world, ball_body(kSmoothElastic, kOther, 1.588), at(Vec3::Zero()));
   Struck struck;
   for (int k = 0; k < rate_hz / 2; ++k) {
     step(world);
@@ -142,7 +142,7 @@ TEST(HiddenImpacts, ThePapersDetectionMeetsBodiesThatWereApartAtTheirTime) {
 TEST(HiddenImpacts, UnderThePapersDetectionFastBallsDoNotPassThroughEachOther) {
   World world = without_gravity(11, 240, Query::paper);
   for (const double side : {-1.0, 1.0}) {
-    add_body(world, ball_body(kElastic, 0.02, 1.0),
+    add_body(world, ball_body(kSmoothElastic, 0.02, 1.0),
              at(Vec3(0.5 * side + 0.01, 0.0, 0.0), Vec3(-6.0 * side, 0.0, 0.0)));
   }
   run(world, 0.25);
