@@ -418,7 +418,6 @@ std::size_t PseudoTerminal::write(Bytes bytes) {
     garble(other);
     bytes = other;
   }
-  if (clients_ == 0) tcflush(slave_, TCIFLUSH);  // nobody hears what was sent
   const ssize_t n = ::write(master_, bytes.data(), bytes.size());
   full_ |= n <= 0 && !bytes.empty();
   return n > 0 ? static_cast<std::size_t>(n) : 0;
