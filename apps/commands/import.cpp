@@ -188,7 +188,10 @@ void import_head(const ImportOptions& options, const scene::Scenario& base,
 /// How the ball's velocity is known, where no sample is on one side of the release.
 std::string unless_tracked(const scene::Throw& found) {
   if (found.known == scene::Known::tracked) return "";
-  return ", " + scene::in_words({.known = found.known, .extrapolated = found.extrapolated});
+  scene::Motion ball;
+  ball.known = found.known;
+  ball.extrapolated = found.extrapolated;
+  return ", " + scene::in_words(ball);
 }
 
 /// Imports one throw. Seconds are rounded to the stamp: 3.035 and not 3.0349999999999997.
