@@ -15,6 +15,7 @@
 #include "scene/record/details.h"
 #include "scene/record/events.h"
 #include "scene/record/log.h"
+#include "scene/record/outside.h"
 #include "scene/watch/counterparts.h"
 #include "scene/watch/each_throw.h"
 #include "scene/watch/entered.h"
@@ -269,6 +270,28 @@ void print_result(const nlohmann::json& result, const std::vector<scene::Event>&
   }
 }
 
+/// Copies what was noted outside any simulation, each event at its time: the stamps of a log do not go back.
+class Notes : public scene::Observer {
+ public:
+  Notes(const scene::TrialSummary& trial, scene::TrialWriter& writer)
+      : notes_(of_no_tick(trial.events)), writer_(writer) {}
+
+  void start(const scene::Session& session) override { copy(session.now()); }
+  void tick(const scene::Session& session) override { copy(session.now()); }
+  void copy(Time until) {
+    while (const scene::Event* event = notes_.next(until)) writer_.write(*event);
+  }
+
+ private:
+  static std::vector<scene::Event> of_no_tick(std::vector<scene::Event> events) {
+    std::erase_if(events, [](const scene::Event& event) { return event.tick >= 0; });
+    return events;
+  }
+
+  scene::OutsideEvents notes_;
+  scene::TrialWriter& writer_;
+};
+
 void replay(const ReplayOptions& options) {
   watch_stop_signals();  // before the first output exists
   if (options.each_throw) return replay_each_throw(options);
@@ -291,6 +314,7 @@ void replay(const ReplayOptions& options) {
   const std::int64_t ticks = recorded.ticks(other.rates.physics_hz);
   ProgressLine progress("ticks", ticks);
   std::optional<scene::TrialWriter> writer;
+  std::optional<Notes> notes;
   std::optional<scene::Verifier> verifier;
   std::vector<scene::Observer*> observers;
   if (options.output) {
@@ -300,9 +324,7 @@ void replay(const ReplayOptions& options) {
     writer.emplace(std::make_unique<scene::Recorder>(
         std::move(file), scene::header_of(trial.header, run.session),
         scene::Recorder::Options{.states = options.states}));
-    for (const scene::Event& event : trial.events) {
-      if (event.tick < 0) writer->write(event);  // found before any simulation
-    }
+    observers.push_back(&notes.emplace(trial, *writer));
     observers.push_back(&*writer);
   }
   if (options.verify) {
@@ -310,6 +332,7 @@ void replay(const ReplayOptions& options) {
   }
   observers.push_back(&progress);
   simulate(run, observers, [&](const scene::Session& s) { return s.tick >= ticks; });
+  if (notes) notes->copy(Time::max());
   if (writer) writer->close(run.session);
   say_what_is_missing("replay", options.trial, trial);
   const std::int64_t unverified = verifier ? verifier->finish(trial, run.session) : 0;

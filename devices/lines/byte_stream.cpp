@@ -418,7 +418,11 @@ std::size_t PseudoTerminal::write(Bytes bytes) {
     garble(other);
     bytes = other;
   }
-  const ssize_t n = ::write(master_, bytes.data(), bytes.size());
+  ssize_t n = ::write(master_, bytes.data(), bytes.size());
+  if (n <= 0 && clients_ == 0 && !bytes.empty()) {  // what nobody has heard is lost
+    tcflush(slave_, TCIFLUSH);
+    n = ::write(master_, bytes.data(), bytes.size());
+  }
   full_ |= n <= 0 && !bytes.empty();
   return n > 0 ? static_cast<std::size_t>(n) : 0;
 }

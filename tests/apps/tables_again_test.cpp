@@ -1,5 +1,6 @@
 // Tables of `export`, changed or not, become a trial again.
 
+#include "devices/log/event_log.h"
 #include "tests/apps/command_line.h"
 
 namespace headpin {
@@ -180,6 +181,27 @@ TEST_F(TablesAgain, MakeRotationsOfAverages) {
   for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
   EXPECT_NEAR(std::stod(cells[8]), 0.8617308111089731, 1e-12);
   EXPECT_NEAR(std::stod(cells[10]), -0.34637028155471083, 1e-12);
+}
+
+// What a live session told at its end is no event of a tick when it comes back.
+TEST_F(TablesAgain, OfALiveSessionAreReplayedToALogWithTheStampsOfItsTicks) {
+  std::vector<std::string> all = lines("events.csv");
+  all.push_back("7.008333,-1,kept_pace,,0,0,0,0,0,0,0,");
+  put("events.csv", all);
+  ASSERT_EQ(headpin("import tables -o again.lcmlog").code, 0);
+  ASSERT_EQ(headpin("replay again.lcmlog -o played.lcmlog").code, 0);
+  const std::string text = slurp(folder_ / "played.lcmlog");
+  devices::LogReader log(
+      std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+  std::set<Time> of_states;
+  Time last{};
+  while (const std::optional<devices::LogEvent> event = log.next()) {
+    EXPECT_GE(event->time, last);
+    last = event->time;
+    if (event->channel.starts_with("STATE")) of_states.insert(event->time);
+  }
+  EXPECT_GT(of_states.size(), 1600u);  // 1682 ticks
+  EXPECT_THAT(slurp(folder_ / "played.lcmlog"), HasSubstr("kept_pace"));
 }
 
 }  // namespace
