@@ -122,9 +122,9 @@ bool test_candidates(World& world, const Flight& flight, Touches& touches) {
   touches.points.clear();
   std::size_t last = 0;
   for (std::uint32_t k = 0; k < touches.candidates.size(); ++k) {
-    const std::size_t had = touches.all.size();
+    const std::size_t had = touches.all.size(), points = touches.points.size();
     std::size_t count = add_touches(world, flight, k, 0.0, touches);
-    if (count == 0) count = look_ahead(world, flight, k, 0.0, touches);
+    count += look_ahead(world, flight, k, 0.0, had, touches);
     if (count == 0) continue;
     for (std::size_t n = had; n < had + count; ++n) {
       const Touch touch = touches.all[n];
@@ -137,7 +137,7 @@ bool test_candidates(World& world, const Flight& flight, Touches& touches) {
       }
     }
     if (!is_mover(world, touches.all[had].a) || woken) {
-      touches.points.resize(touches.all[had].first_point);
+      touches.points.resize(points);
       touches.all.resize(had);
       continue;
     }

@@ -324,10 +324,8 @@ class Queue {
         known.empty() ? candidate_of(key, a, b) : touches_.all[known[0]].candidate;
     const double t = std::max(flight_.bodies[a].clock, flight_.bodies[b].clock);
     const std::size_t had = touches_.all.size();
-    if (add_touches(world_, flight_, candidate, t, touches_) == 0 &&
-        look_ahead(world_, flight_, candidate, t, touches_) == 0) {
-      return;
-    }
+    add_touches(world_, flight_, candidate, t, touches_);
+    look_ahead(world_, flight_, candidate, t, had, touches_);
     const auto is_known = [&](const Touch& touch) {
       return std::ranges::any_of(
           known, [&](std::uint32_t k) { return touches_.all[k].part == touch.part; });
@@ -393,7 +391,8 @@ const Flight* resolve_impacts(World& world, Touches& touches, Workspace& w) {
   for (std::uint32_t k = 0; k < touches.all.size(); ++k) {
     Touch& touch = touches.all[k];
     const double fastest = bodies[touch.a].top_speed + bodies[touch.b].top_speed;
-    if (fastest > followed_speed(world, w.flight, touch.a, touch.b)) {
+    const bool seen_ahead = touch.time > 0.0;
+    if (seen_ahead || fastest > followed_speed(world, w.flight, touch.a, touch.b)) {
       queue.note(k);
     } else if (fastest > slow) {
       queue.leave_what_lands_later(touch);

@@ -158,7 +158,8 @@ std::optional<Meeting> find_meeting(World& world, const Flight& flight, Touches&
   const double least = trusted < kNever ? step / most : 0.0;  // so that it reaches the end
   const bool turns_far = trusted < kNever, follows = follows_far_turns(world.parameters);
   const bool to_the_end = (turns_far && follows) || shows_only_overlap(world, touch.a, touch.b);
-  const bool goes_back = turns_far || follows;
+  bool goes_back = turns_far || follows;
+  double went_back_to = -step;
   const Lasting lasting(world, flight, touches, touch, threshold);
   std::optional<Meeting> m = soonest(world, flight, touches, touch, threshold);
   for (int k = 0; k < most; ++k) {
@@ -179,6 +180,11 @@ std::optional<Meeting> find_meeting(World& world, const Flight& flight, Touches&
     look_again(world, flight, touch, next, touches);
     if (apart && goes_back) go_back(world, flight, touches, touch, lasting, before);
     m = soonest(world, flight, touches, touch, threshold);
+    if (!m && touch.time < next && leaves_out_what_lasts(world.parameters)) {
+      // They meet there without approaching: not much later it will be the same.
+      goes_back = touch.time > went_back_to + step / 16.0;
+      went_back_to = touch.time;
+    }
   }
   return std::nullopt;
 }
@@ -194,21 +200,33 @@ void leave_out_fast(const World& world, const Flight& flight, Touches& touches, 
 }
 
 std::size_t look_ahead(World& world, const Flight& flight, std::uint32_t candidate, double t,
-                       Touches& touches) {
+                       std::size_t had, Touches& touches) {
   const Candidate& c = touches.candidates[candidate];
-  if (!shows_only_overlap(world, c.a, c.b) || has_touch_for_each_part(world, c)) return 0;
-  Touch touch = touch_of(world, candidate, touches);
-  const double threshold = followed_speed(world, flight, touch.a, touch.b);
+  if (!shows_only_overlap(world, c.a, c.b)) return 0;
+  const double threshold = followed_speed(world, flight, c.a, c.b);
   const double gravity = flight.fall / step_seconds(world);
   if (flight.bodies[c.a].top_speed + flight.bodies[c.b].top_speed + gravity <= threshold) return 0;
-  touch.time = t;
-  touch.first_point = static_cast<std::uint32_t>(touches.points.size());
-  if (!find_meeting(world, flight, touches, touch, threshold)) {
-    touches.points.resize(touch.first_point);
-    return 0;
+  const std::size_t known = touches.all.size();
+  const auto is_known = [&](std::uint32_t part) {
+    return std::any_of(touches.all.begin() + static_cast<std::ptrdiff_t>(had),
+                       touches.all.begin() + static_cast<std::ptrdiff_t>(known),
+                       [&](const Touch& touch) { return touch.part == part; });
+  };
+  for (std::uint32_t part = 0; part < parts_touched(world, c); ++part) {
+    if (is_known(part)) continue;
+    Touch touch = touch_of(world, candidate, touches);
+    touch.part = part;
+    touch.time = t;
+    touch.first_point = static_cast<std::uint32_t>(touches.points.size());
+    if (find_meeting(world, flight, touches, touch, threshold)) {
+      touches.all.push_back(touch);
+    } else {
+      touches.points.resize(touch.first_point);
+    }
   }
-  touches.all.push_back(touch);
-  return 1;
+  std::sort(touches.all.begin() + static_cast<std::ptrdiff_t>(had), touches.all.end(),
+            [](const Touch& p, const Touch& q) { return p.part < q.part; });
+  return touches.all.size() - known;
 }
 
 }  // namespace headpin::engine::detail

@@ -34,12 +34,14 @@ std::optional<Meeting> find_meeting(World& world, const Flight& flight, Touches&
 void leave_out_fast(const World& world, const Flight& flight, Touches& touches, Touch& touch,
                     double threshold);
 
-/// In the paper's mode, bodies that are apart have no contact points. Follows a candidate without touches
-/// from time `t` to the end of the step, and adds its touch if they meet as an impact.
+/// In the paper's mode, bodies that are apart have no contact points. Follows those of a candidate, or parts of
+/// them, that have no touch, from time `t` to the end of the step, and adds their touches if they meet as an
+/// impact.
 ///
-/// @return  how many were added
+/// @param had  the candidate's touches are those from this number on
+/// @return     how many were added
 std::size_t look_ahead(World& world, const Flight& flight, std::uint32_t candidate, double t,
-                       Touches& touches);
+                       std::size_t had, Touches& touches);
 
 /// Whether two surfaces that are apart at the end of the step meet after it, as an impact.
 bool lands_later(const World& world, const Flight& flight, const Touch& touch,

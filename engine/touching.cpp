@@ -111,6 +111,12 @@ bool has_touch_for_each_part(const World& world, const Candidate& c) {
          a.shape->parts.size() * b.shape->parts.size() <= kMostPairs;
 }
 
+std::uint32_t parts_touched(const World& world, const Candidate& c) {
+  if (!has_touch_for_each_part(world, c)) return 1;
+  const Body& fixed = world.bodies[world.bodies[c.a].kind == Kind::fixed ? c.a : c.b];
+  return static_cast<std::uint32_t>(fixed.shape->parts.size());
+}
+
 namespace {
 
 /// The part of the candidate's fixed body that a point is of.

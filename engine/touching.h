@@ -24,6 +24,9 @@ void contacts_of(World& world, const Candidate& c, std::span<KeptNormal> normals
 /// Whether the parts of a candidate's fixed body are touched each on its own.
 bool has_touch_for_each_part(const World& world, const Candidate& c);
 
+/// Number of parts of the candidate's fixed body that are touched each on its own; 1 if they are not.
+std::uint32_t parts_touched(const World& world, const Candidate& c);
+
 /// Leaves out the contact points, from `first` on, that are not those of a touch: of other parts.
 void keep_points_of(const World& world, const Candidate& c, const Touch& touch, std::size_t first,
                     std::vector<ContactPoint>& points);
