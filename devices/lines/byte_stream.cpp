@@ -379,8 +379,7 @@ int PseudoTerminal::client_baud() const {
   return 0;
 }
 
-/// The system may tell several openings or closings as one; a terminal that was full is therefore
-/// taken for one that nobody had.
+/// Openings may be told as one, and closings: a terminal that was full counts as one that nobody had.
 void PseudoTerminal::note_open() {
   if (clients_++ > 0 && !full_) return;
   tcflush(slave_, TCIFLUSH);
