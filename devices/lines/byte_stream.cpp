@@ -417,10 +417,10 @@ std::size_t PseudoTerminal::write(Bytes bytes) {
     garble(other);
     bytes = other;
   }
-  ssize_t n = ::write(master_, bytes.data(), bytes.size());
-  if (n <= 0 && clients_ == 0 && !bytes.empty()) {  // what nobody has heard is lost
+  const ssize_t n = ::write(master_, bytes.data(), bytes.size());
+  if (n < static_cast<ssize_t>(bytes.size()) && clients_ == 0) {  // nobody hears it
     tcflush(slave_, TCIFLUSH);
-    n = ::write(master_, bytes.data(), bytes.size());
+    return bytes.size();
   }
   full_ |= n <= 0 && !bytes.empty();
   return n > 0 ? static_cast<std::size_t>(n) : 0;
