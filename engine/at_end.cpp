@@ -39,21 +39,21 @@ Pose pose_at_end(const World& world, const Flight& flight, const Solved& solved,
   return s.X_WB;
 }
 
-std::span<const ContactPoint> points_at_end(World& world, const Touches& touches,
+std::span<const ContactPoint> points_at_end(const World& world, const Touches& touches,
                                             const Touch& touch, const Pose& X_WA, const Pose& X_WB,
-                                            Workspace& w) {
-  const Candidate& c = touches.candidates[touch.candidate];
-  const auto kept = touches.normals.begin() + c.first_normal;
-  w.end_normals.assign(kept, kept + c.normals);
-  w.end_points.clear();
+                                            AtEnd& end) {
+  const Candidate& c = touches.pairs->candidates[touch.candidate];
+  const auto kept = touches.pairs->normals.begin() + c.first_normal;
+  end.normals.assign(kept, kept + c.normals);
+  end.points.clear();
   const bool swapped = c.a != touch.a;
-  contacts_of(world, c, w.end_normals, swapped ? X_WB : X_WA, swapped ? X_WA : X_WB, 0.0,
-              w.end_points);
-  keep_points_of(world, c, touch, 0, w.end_points);
-  for (ContactPoint& p : w.end_points) {
+  contacts_of(world, c, end.normals, swapped ? X_WB : X_WA, swapped ? X_WA : X_WB, 0.0, end.queries,
+              end.points);
+  keep_points_of(world, c, touch, 0, end.points);
+  for (ContactPoint& p : end.points) {
     if (swapped) p.n_AB_W = -p.n_AB_W;
   }
-  return w.end_points;
+  return end.points;
 }
 
 NormalRow row_at(const Flight& flight, const Touch& touch, const ContactPoint& point,

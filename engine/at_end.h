@@ -14,11 +14,11 @@ void to_end(const World& world, const Flight& flight, const Solved& solved, Body
 Pose pose_at_end(const World& world, const Flight& flight, const Solved& solved, BodyId i);
 
 /// Contact points of a touch with its bodies at their poses at the end of the step. Normals point
-/// away from A of the touch. The points are valid until the next call. The kept normals in
-/// `touches` do not change.
-std::span<const ContactPoint> points_at_end(World& world, const Touches& touches,
+/// away from A of the touch. The points are valid until the next call with this `end`. The kept normals
+/// in `touches` do not change.
+std::span<const ContactPoint> points_at_end(const World& world, const Touches& touches,
                                             const Touch& touch, const Pose& X_WA, const Pose& X_WB,
-                                            Workspace& w);
+                                            AtEnd& end);
 
 /// Row for an impulse along the normal of a point, with centres of mass at p_WA and p_WB.
 NormalRow row_at(const Flight& flight, const Touch& touch, const ContactPoint& point,

@@ -47,7 +47,9 @@ struct Slot {
 
 const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_W,
                                                 std::span<const std::uint8_t> moving, double margin,
-                                                std::span<const Box> limits_W) {
+                                                std::span<const Box> limits_W, detail::Crew* crew) {
+  detail::Crew alone;
+  if (!crew) crew = &alone;
   pairs_.clear();
   found_.clear();
   const Bodies bodies{bounds_W, moving, margin, limits_W};
@@ -56,34 +58,34 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
     boxes_.clear();
     return pairs_;
   }
-  const double extent = make_boxes(bodies);
+  const double extent = make_boxes(bodies, *crew);
   if (bounds_W.size() <= kFew) {
     compare_all(bodies);
     return pairs_;
   }
   // Three times the usual body: most then lie in one or two cells.
-  make_grid(std::max(3.0 * extent / static_cast<double>(bounds_W.size()), 1e-9));
+  make_grid(std::max(3.0 * extent / static_cast<double>(bounds_W.size()), 1e-9), *crew);
   sort_into_slots();
-  compare_in_slots(bodies);
+  compare_in_slots(bodies, *crew);
   compare_large(bodies);
   sort_pairs();
   return pairs_;
 }
 
 /// @return  sum of the boxes' largest extents [m]
-double BroadPhase::make_boxes(const Bodies& bodies) {
+double BroadPhase::make_boxes(const Bodies& bodies, detail::Crew& crew) {
   boxes_.resize(bodies.bounds_W.size());
-  double extent = 0.0;
-  for (std::size_t i = 0; i < boxes_.size(); ++i) {
-    const Capsule& c = bodies.bounds_W[i];
-    boxes_[i] = box_around(c, 0.5 * bodies.margin);
-    if (!bodies.limits_W.empty()) {
-      const Vec3 slack = Vec3::Constant(0.5 * bodies.margin);
+  const Vec3 slack = Vec3::Constant(0.5 * bodies.margin);
+  crew.share_range(boxes_.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      boxes_[i] = box_around(bodies.bounds_W[i], 0.5 * bodies.margin);
+      if (bodies.limits_W.empty()) continue;
       boxes_[i].low = boxes_[i].low.cwiseMax(bodies.limits_W[i].low - slack);
       boxes_[i].high = boxes_[i].high.cwiseMin(bodies.limits_W[i].high + slack);
     }
-    extent += (boxes_[i].high - boxes_[i].low).maxCoeff();
-  }
+  });
+  double extent = 0.0;
+  for (const Box& box : boxes_) extent += (box.high - box.low).maxCoeff();
   return extent;
 }
 
@@ -102,11 +104,19 @@ void BroadPhase::compare_all(const Bodies& bodies) {
 /// Gives each body the cells that it covers, and chooses the size of the grid.
 ///
 /// @param cell  edge of a cell [m]
-void BroadPhase::make_grid(double cell) {
+void BroadPhase::make_grid(double cell, detail::Crew& crew) {
   cells_per_metre_ = 1.0 / cell;
   const auto n = static_cast<std::uint32_t>(boxes_.size());
   cells_.resize(n);
   large_.clear();
+  crew.share_range(n, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      for (int k = 0; k < 3; ++k) {
+        cells_[i].low[k] = cell_of(boxes_[i].low[k], cells_per_metre_);
+        cells_[i].high[k] = cell_of(boxes_[i].high[k], cells_per_metre_);
+      }
+    }
+  });
   std::int32_t least[3] = {}, most[3] = {};
   bool any = false;
   for (std::uint32_t i = 0; i < n; ++i) {
@@ -114,10 +124,8 @@ void BroadPhase::make_grid(double cell) {
       large_.push_back(i);
       continue;
     }
-    Cells& c = cells_[i];
+    const Cells& c = cells_[i];
     for (int k = 0; k < 3; ++k) {
-      c.low[k] = cell_of(boxes_[i].low[k], cells_per_metre_);
-      c.high[k] = cell_of(boxes_[i].high[k], cells_per_metre_);
       least[k] = any ? std::min(least[k], c.low[k]) : c.low[k];
       most[k] = any ? std::max(most[k], c.high[k]) : c.high[k];
     }
@@ -168,23 +176,38 @@ void BroadPhase::sort_into_slots() {
   for (const Entry& e : unsorted_) entries_[count_[e.slot]++] = e.body;
 }
 
-void BroadPhase::compare_in_slots(const Bodies& bodies) {
+void BroadPhase::compare_in_slot(const Bodies& bodies, std::uint32_t k,
+                                 std::vector<Pair>& found) const {
   const Slot slot{{bits_[0], bits_[1], bits_[2]}};
-  for (std::uint32_t k = 0; k + 1 < slots_.size(); ++k) {
-    for (std::uint32_t i = slots_[k]; i < slots_[k + 1]; ++i) {
-      for (std::uint32_t j = i + 1; j < slots_[k + 1]; ++j) {
-        const std::uint32_t a = entries_[i], b = entries_[j];
-        if (a == b || !bodies.any_moves(a, b) || !boxes_[a].meets(boxes_[b])) continue;
-        // Two bodies may share several cells. Only the lowest of those that both boxes cover reports
-        // them.
-        const Cells &ca = cells_[a], &cb = cells_[b];
-        if (slot(std::max(ca.low[0], cb.low[0]), std::max(ca.low[1], cb.low[1]),
-                 std::max(ca.low[2], cb.low[2])) != k) {
-          continue;
-        }
-        if (bodies.meet(a, b)) found_.push_back({a, b});
+  for (std::uint32_t i = slots_[k]; i < slots_[k + 1]; ++i) {
+    for (std::uint32_t j = i + 1; j < slots_[k + 1]; ++j) {
+      const std::uint32_t a = entries_[i], b = entries_[j];
+      if (a == b || !bodies.any_moves(a, b) || !boxes_[a].meets(boxes_[b])) continue;
+      // Two bodies may share several cells. Only the lowest of those that both boxes cover reports
+      // them.
+      const Cells &ca = cells_[a], &cb = cells_[b];
+      if (slot(std::max(ca.low[0], cb.low[0]), std::max(ca.low[1], cb.low[1]),
+               std::max(ca.low[2], cb.low[2])) != k) {
+        continue;
       }
+      if (bodies.meet(a, b)) found.push_back({a, b});
     }
+  }
+}
+
+void BroadPhase::compare_in_slots(const Bodies& bodies, detail::Crew& crew) {
+  const std::size_t slots = slots_.size() - 1;
+  const std::size_t parts = crew.threads() < 2 ? 1 : 1 + entries_.size() / detail::Crew::kRange;
+  if (found_in_.size() < parts) found_in_.resize(parts);
+  crew.share(parts, [&](std::size_t part, std::size_t) {
+    std::vector<Pair>& found = found_in_[part];
+    found.clear();
+    for (std::size_t k = part * slots / parts; k < (part + 1) * slots / parts; ++k) {
+      compare_in_slot(bodies, static_cast<std::uint32_t>(k), found);
+    }
+  });
+  for (std::size_t part = 0; part < parts; ++part) {
+    found_.insert(found_.end(), found_in_[part].begin(), found_in_[part].end());
   }
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/compound.h"
+#include "engine/crew.h"
 
 /// Broad phase: pairs of bodies whose bounds overlap.
 namespace headpin::engine {
@@ -32,10 +33,12 @@ class BroadPhase {
   ///   bodies at rest is not reported.
   /// @param margin    report also those closer than this [m]
   /// @param limits_W  a box that holds each body, for flat ones, whose capsules are wide; empty: none
+  /// @param crew      shares the work; null: nobody does
   /// @return          pairs by first, then second index; good until the next call
   const std::vector<Pair>& find_pairs(std::span<const Capsule> bounds_W,
                                       std::span<const std::uint8_t> moving = {},
-                                      double margin = 0.0, std::span<const Box> limits_W = {});
+                                      double margin = 0.0, std::span<const Box> limits_W = {},
+                                      detail::Crew* crew = nullptr);
 
   /// Bodies of the last call whose boxes at that time overlap the box around a capsule.
   ///
@@ -62,11 +65,12 @@ class BroadPhase {
     }
   };
   // The steps of find_pairs().
-  double make_boxes(const Bodies& bodies);
+  double make_boxes(const Bodies& bodies, detail::Crew& crew);
   void compare_all(const Bodies& bodies);
-  void make_grid(double cell);
+  void make_grid(double cell, detail::Crew& crew);
   void sort_into_slots();
-  void compare_in_slots(const Bodies& bodies);
+  void compare_in_slots(const Bodies& bodies, detail::Crew& crew);
+  void compare_in_slot(const Bodies& bodies, std::uint32_t slot, std::vector<Pair>& found) const;
   void compare_large(const Bodies& bodies);
   void sort_pairs();
 
@@ -80,6 +84,7 @@ class BroadPhase {
   std::vector<Entry> unsorted_;
   std::vector<std::uint32_t> slots_, entries_;
   std::vector<Pair> pairs_, found_;
+  std::vector<std::vector<Pair>> found_in_;  ///< a part of the slots
   std::vector<std::uint32_t> count_;
 };
 

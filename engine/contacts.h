@@ -26,6 +26,13 @@ struct QueryCounts {
   std::int64_t queries = 0;     ///< pairs of parts examined (bounding spheres meet)
   std::int64_t iterations = 0;  ///< evaluations of the support functions
   std::int64_t capped = 0;      ///< queries that reached the cap
+
+  QueryCounts& operator+=(const QueryCounts& other) {
+    queries += other.queries;
+    iterations += other.iterations;
+    capped += other.capped;
+    return *this;
+  }
 };
 
 /// Maximum number of points between two shapes.

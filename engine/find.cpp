@@ -2,7 +2,7 @@
 #include <utility>
 
 #include "engine/inlining.h"
-#include "engine/meeting.h"
+#include "engine/next_impact.h"
 #include "engine/stages.h"
 
 namespace headpin::engine::detail {
@@ -11,25 +11,45 @@ namespace {
 constexpr double kWakeSpeed = 1e-3;  // approach that counts as moving [m/s]
 constexpr double kWakeDepth = 1e-3;  // overlap that wakes a body at any speed [m]
 
-/// Adds a candidate, with the normals that the same pair had after the last step, if any.
-/// @param last  the first candidate of the last step that may be the same pair; moves forward
-HEADPIN_INLINE inline void add_known(const World& world, std::uint64_t key, BodyId a, BodyId b,
-                                     std::size_t& last, Touches& touches) {
-  const Memory& m = world.memory;
-  while (last < m.candidates.size() && m.candidates[last].key < key) ++last;
-  if (last == m.candidates.size() || m.candidates[last].key != key) {
-    add_candidate(world, key, a, b, touches);
-    return;
+using Range = std::pair<std::size_t, std::size_t>;  ///< of candidates
+
+/// The first candidate of the last step that may be this one or a later one.
+std::vector<Candidate>::const_iterator place_in_memory(const World& world, const Candidate& c) {
+  const std::vector<Candidate>& all = world.memory.candidates;
+  return std::lower_bound(all.begin(), all.end(), c.key,
+                          [](const Candidate& d, std::uint64_t key) { return d.key < key; });
+}
+
+/// Adds a candidate, with room for its normals.
+void add(const World& world, std::uint64_t key, BodyId a, BodyId b, Pairs& pairs) {
+  const auto count =
+      static_cast<std::uint32_t>(kept_normals(*world.bodies[a].shape, *world.bodies[b].shape));
+  std::uint32_t first = 0;
+  if (!pairs.candidates.empty()) {
+    const Candidate& last = pairs.candidates.back();
+    first = last.first_normal + last.normals;
   }
-  const std::uint32_t count = m.candidates[last].normals;
-  const auto from = m.normals.begin() + m.candidates[last].first_normal;
-  touches.candidates.push_back(
-      {key, a, b, static_cast<std::uint32_t>(touches.normals.size()), count});
-  if (count > 0) touches.normals.insert(touches.normals.end(), from, from + count);
+  pairs.candidates.push_back({key, a, b, first, count});
+}
+
+/// Gives candidates the normals that the same pairs had after the last step; to others, new ones.
+void recall_normals(const World& world, const Range& range, Pairs& pairs) {
+  const Memory& m = world.memory;
+  auto last = place_in_memory(world, pairs.candidates[range.first]);
+  for (std::size_t k = range.first; k < range.second; ++k) {
+    const Candidate& c = pairs.candidates[k];
+    const std::span<KeptNormal> normals = normals_of(pairs, c);
+    while (last != m.candidates.end() && last->key < c.key) ++last;
+    if (last != m.candidates.end() && last->key == c.key) {
+      std::copy_n(m.normals.begin() + last->first_normal, c.normals, normals.begin());
+    } else {
+      std::fill(normals.begin(), normals.end(), KeptNormal{});
+    }
+  }
 }
 
 /// Whether the two really meet within the step, and do not merely pass each other.
-bool really_touch(World& world, const Flight& flight, Touches& touches, Touch touch) {
+bool really_touch(const World& world, const Flight& flight, Touches& touches, Touch touch) {
   for (const ContactPoint& p : points_of(touches, touch)) {
     if (p.depth > kWakeDepth) return true;
   }
@@ -65,34 +85,37 @@ bool is_above(const Capsule& bounds_W, const Plane& plane) {
 void find_pairs(World& world, const Flight& flight, Workspace& w) {
   const double dt = step_seconds(world);
   Roll& roll = world.roll;
-  for (std::size_t k = 0; k < roll.bounded.size(); ++k) {
-    if (!roll.moving[k]) continue;
-    const BodyId i = roll.bounded[k];
-    roll.bounds_W[k] = world.states[i].X_WB * world.bodies[i].shape->bounds;
-    roll.bounds_W[k].radius += flight.bodies[i].top_speed * dt + flight.fall;
-  }
-  Touches& touches = w.touches;
-  touches.candidates.clear();
-  touches.normals.clear();
-  world.statistics.pairs = 0;  // they are found again where a body wakes
-  std::size_t last = 0;
+  w.crew.share_range(roll.bounded.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      if (!roll.moving[k]) continue;
+      const BodyId i = roll.bounded[k];
+      roll.bounds_W[k] = world.states[i].X_WB * world.bodies[i].shape->bounds;
+      roll.bounds_W[k].radius += flight.bodies[i].top_speed * dt + flight.fall;
+    }
+  });
+  Pairs& pairs = w.pairs;
+  pairs.candidates.clear();
   for (std::size_t k = 0; k < roll.bounded.size(); ++k) {
     const BodyId i = roll.bounded[k];
     if (!is_mover(world, i)) continue;
     for (std::size_t n = 0; n < roll.unbounded.size(); ++n) {
       if (is_above(roll.bounds_W[k], roll.planes_W[n])) continue;
       const BodyId wall = roll.unbounded[n];
-      add_known(world, key_of(false, i, wall), i, wall, last, touches);
+      add(world, key_of(false, i, wall), i, wall, pairs);
     }
   }
+  const std::size_t walls = pairs.candidates.size();
   for (const Pair& pair :
-       w.broad_phase.find_pairs(roll.bounds_W, roll.moving, kMargin, roll.limits_W)) {
+       w.broad_phase.find_pairs(roll.bounds_W, roll.moving, kMargin, roll.limits_W, &w.crew)) {
     const BodyId a = roll.bounded[pair.first], b = roll.bounded[pair.second];
     if (world.bodies[a].kind != Kind::free && world.bodies[b].kind != Kind::free) continue;
-    add_known(world, key_of(true, a, b), a, b, last, touches);
-    ++world.statistics.pairs;
+    add(world, key_of(true, a, b), a, b, pairs);
   }
-  touches.early_candidates = touches.candidates.size();
+  pairs.early = pairs.candidates.size();
+  world.statistics.pairs = static_cast<std::int64_t>(pairs.early - walls);
+  if (pairs.early == 0) return pairs.normals.clear();
+  const Candidate& last = pairs.candidates.back();
+  pairs.normals.resize(last.first_normal + last.normals);
 }
 
 /// Takes over the data of the same touch in the last step, if there was one.
@@ -114,14 +137,20 @@ void recall(const World& world, Touch& touch, std::size_t& last) {
   }
 }
 
-/// Finds the touches of the candidates. @return whether a body woke up: then all must be found
-/// again
-bool test_candidates(World& world, const Flight& flight, Touches& touches) {
-  bool woken = false;
-  touches.all.clear();
-  touches.points.clear();
-  std::size_t last = 0;
-  for (std::uint32_t k = 0; k < touches.candidates.size(); ++k) {
+/// The first touch of the last step that may be of this candidate or a later one.
+std::size_t touch_in_memory(const World& world, const Candidate& c) {
+  const std::vector<PastTouch>& past = world.memory.touches;
+  const auto place =
+      std::lower_bound(past.begin(), past.end(), c.key,
+                       [](const PastTouch& t, std::uint64_t key) { return t.key < key; });
+  return static_cast<std::size_t>(place - past.begin());
+}
+
+/// Finds the touches of the candidates, and the sleeping bodies that they wake.
+void test_candidates(const World& world, const Flight& flight, const Range& range,
+                     Touches& touches) {
+  std::size_t last = touch_in_memory(world, touches.pairs->candidates[range.first]);
+  for (auto k = static_cast<std::uint32_t>(range.first); k < range.second; ++k) {
     const std::size_t had = touches.all.size(), points = touches.points.size();
     std::size_t count = add_touches(world, flight, k, 0.0, touches);
     count += look_ahead(world, flight, k, 0.0, had, touches);
@@ -131,29 +160,95 @@ bool test_candidates(World& world, const Flight& flight, Touches& touches) {
       for (const BodyId sleeper : {touch.a, touch.b}) {
         if (world.asleep[sleeper] && (is_being_left(world, flight, touches, touch, sleeper) ||
                                       really_touch(world, flight, touches, touch))) {
-          wake(world, sleeper);
-          woken = true;
+          touches.woken.push_back(sleeper);
         }
       }
     }
-    if (!is_mover(world, touches.all[had].a) || woken) {
+    if (!is_mover(world, touches.all[had].a)) {
       touches.points.resize(points);
       touches.all.resize(had);
       continue;
     }
     for (std::size_t n = had; n < had + count; ++n) recall(world, touches.all[n], last);
   }
-  touches.early = touches.all.size();
-  return woken;
+}
+
+/// The range of the k-th part of the candidates.
+Range range_of(const Workspace& w, std::size_t k) {
+  return {k * w.pairs.early / w.parts, (k + 1) * w.pairs.early / w.parts};
+}
+
+void test_part(const World& world, Workspace& w, std::size_t k) {
+  Touches& touches = w.part_of(k);
+  touches.pairs = &w.pairs;
+  touches.all.clear();
+  touches.points.clear();
+  touches.woken.clear();
+  const Range range = range_of(w, k);
+  if (range.first == range.second) return;
+  recall_normals(world, range, w.pairs);
+  test_candidates(world, w.flight, range, touches);
+}
+
+/// Where a part begins in the whole.
+struct Offset {
+  std::size_t all = 0, points = 0;
+};
+
+void copy_part(const Touches& part, const Offset& to, Touches& whole) {
+  const auto points = static_cast<std::uint32_t>(to.points);
+  for (std::size_t k = 0; k < part.all.size(); ++k) {
+    Touch& touch = whole.all[to.all + k] = part.all[k];
+    touch.first_point += points;
+  }
+  std::copy(part.points.begin(), part.points.end(), whole.points.data() + to.points);
+  std::copy(part.due.begin(), part.due.end(), whole.due.data() + to.all);
+}
+
+/// Makes one list of the parts, each in its place.
+void join(Workspace& w) {
+  Touches& whole = w.touches;
+  whole.pairs = &w.pairs;
+  if (w.parts > 1) {
+    std::vector<Offset> offsets(w.parts + 1);
+    for (std::size_t k = 0; k < w.parts; ++k) {
+      Touches& part = w.part_of(k);
+      offsets[k + 1] = {offsets[k].all + part.all.size(), offsets[k].points + part.points.size()};
+      whole.queries += std::exchange(part.queries, {});
+    }
+    whole.all.resize(offsets.back().all);
+    whole.points.resize(offsets.back().points);
+    whole.due.resize(offsets.back().all);
+    w.crew.share(w.parts,
+                 [&](std::size_t k, std::size_t) { copy_part(w.part_of(k), offsets[k], whole); });
+  }
+  whole.early = whole.all.size();
+}
+
+/// @return  whether a body woke up
+bool wake_those_of(World& world, const Touches& touches) {
+  for (const BodyId i : touches.woken) {
+    if (world.asleep[i]) wake(world, i);
+  }
+  return !touches.woken.empty();
 }
 
 }  // namespace
 
 Touches& find_touches(World& world, Workspace& w) {
-  do {
-    depart(world, w.flight);
+  for (bool woken = true; woken;) {
+    depart(world, w);
     find_pairs(world, w.flight, w);
-  } while (test_candidates(world, w.flight, w.touches));
+    w.parts = w.crew.threads() < 2 ? 1 : std::max<std::size_t>(1, w.pairs.early / Crew::kRange);
+    if (w.parts > w.touch_parts.size()) w.touch_parts.resize(w.parts);
+    w.crew.share(w.parts, [&](std::size_t k, std::size_t) { test_part(world, w, k); });
+    woken = false;
+    for (std::size_t k = 0; k < w.parts; ++k) woken |= wake_those_of(world, w.part_of(k));
+  }
+  w.crew.share(w.parts, [&](std::size_t k, std::size_t) {
+    note_next_impacts(world, w.flight, w.part_of(k));
+  });
+  join(w);
   return w.touches;
 }
 

@@ -2,14 +2,12 @@
 #include <functional>
 #include <utility>
 
-#include "engine/meeting.h"
+#include "engine/next_impact.h"
 #include "engine/rules.h"
 #include "engine/stages.h"
 
 namespace headpin::engine::detail {
 namespace {
-
-constexpr int kGentle = 8;  // impacts of a body in a step after which slow ones are left out
 
 /// Moves a body along its path to time `t` of the step.
 void advance(World& world, Flight& flight, BodyId i, double t) {
@@ -128,29 +126,14 @@ class Queue {
     w.coming.clear();
     w.halted.clear();
     flight_.touches.assign(touches.all.size(), {});
+    for (std::uint32_t k = 0; k < touches.all.size(); ++k) set_due(k, touches.due[k]);
   }
 
   /// Schedules the next possible impact of a touch, from its present contact points.
   void note(std::uint32_t k) {
     Touch& touch = touches_.all[k];
     if (flight_.touches[k].insists) return set_due(k, kNever);
-    const std::optional<Meeting> m = seen_early(touch);
-    set_due(k, m ? m->time : kNever);
-    if (m) return;
-    leave_out_what_passes(touch);
-    leave_what_lands_later(touch);
-  }
-
-  /// Removes points that will meet just after the end of the step; in the next step they are
-  /// impacts. As lasting contacts they would be slowed down now, to meet exactly at the end.
-  void leave_what_lands_later(Touch& touch) {
-    if (!leaves_late_landings(world_.parameters)) return;
-    if (touch.points == 0 || was_loaded(world_.memory, touch)) return;
-    const auto first = touches_.points.begin() + touch.first_point;
-    const auto end = std::remove_if(first, first + touch.points, [&](const ContactPoint& p) {
-      return lands_later(world_, flight_, touch, p);
-    });
-    touch.points = static_cast<std::uint32_t>(end - first);
+    set_due(k, next_impact(world_, flight_, touches_, touch));
   }
 
   bool empty() const { return w_.coming.empty(); }
@@ -169,40 +152,11 @@ class Queue {
   }
 
  private:
-  /// Approach speed above which a touch is followed. A body that turns fast meets with one point
-  /// after the other; slow meetings must not use up its number of impacts.
-  double threshold(const Touch& touch) const {
-    const int had = std::max(flight_.bodies[touch.a].impacts, flight_.bodies[touch.b].impacts);
-    return had < kGentle ? followed_speed(world_, flight_, touch.a, touch.b)
-                         : flight_.lasting_speed;
-  }
-
   void set_due(std::uint32_t k, double due) {
     flight_.touches[k].due = due;
     if (due == kNever) return;
     w_.coming.emplace_back(due, k);
     std::push_heap(w_.coming.begin(), w_.coming.end(), std::greater<>());
-  }
-
-  /// The next meeting, if any. The path of a body that turns far is followed at once and to the end
-  /// of the step, because it may meet with points that are not contact points yet.
-  std::optional<Meeting> seen_early(Touch& touch) {
-    const double trusted = trusted_for(world_, touch);
-    const bool to_the_end = (trusted < kNever && follows_far_turns(world_.parameters)) ||
-                            shows_only_overlap(world_, touch.a, touch.b);
-    if (!to_the_end && touch.time + trusted >= step_seconds(world_)) {
-      return soonest(world_, flight_, touches_, touch, threshold(touch));
-    }
-    const std::size_t count = touches_.points.size();
-    Touch probe = touch;
-    const std::optional<Meeting> m =
-        find_meeting(world_, flight_, touches_, probe, threshold(touch));
-    if (m) {
-      touch = probe;
-    } else {
-      touches_.points.resize(count);
-    }
-    return m;
   }
 
   /// Follows the touch that seems next, and strikes if it is next. @return whether it woke a body
@@ -218,7 +172,7 @@ class Queue {
     }
     const Touch before = touch;
     const std::optional<Meeting> meeting =
-        find_meeting(world_, flight_, touches_, touch, threshold(touch));
+        find_meeting(world_, flight_, touches_, touch, threshold_of(world_, flight_, touch));
     if (!meeting) {
       queued.due = kNever;
       pass(touch, before);
@@ -249,34 +203,14 @@ class Queue {
     touch.points = 0;
     if (!leaves_out_what_lasts(world_.parameters)) return;
     touch = before;
-    leave_out_fast(world_, flight_, touches_, touch, threshold(touch));
-    leave_out_what_passes(touch);
-    leave_what_lands_later(touch);
+    leave_out_fast(world_, flight_, touches_, touch, threshold_of(world_, flight_, touch));
+    leave_what_lasts(world_, flight_, touches_, touch);
   }
 
   /// A body that has reached the limit of impacts stays at its last impact until the end of the
   /// step. It loses time, but does not pass through anything.
   void halt(BodyId i) {
     if (is_mover(world_, i) && flight_.bodies[i].impacts >= limit_) w_.halted.push_back(i);
-  }
-
-  /// Removes the points of surfaces that seem to touch slowly but in fact pass each other. Removes
-  /// also those of surfaces that approach fast now but in fact meet slowly: as lasting contacts
-  /// they would be braked at once.
-  void leave_out_what_passes(Touch& touch) {
-    if (touch.points == 0 || was_loaded(world_.memory, touch)) return;
-    if (!soonest(world_, flight_, touches_, touch, 0.0)) return;
-    const std::size_t count = touches_.points.size();
-    Touch probe = touch;
-    const bool meet = find_meeting(world_, flight_, touches_, probe, 0.0).has_value();
-    touches_.points.resize(count);
-    const bool would_brake = follows_far_turns(world_.parameters) &&
-                             soonest(world_, flight_, touches_, touch, threshold(touch));
-    if (meet && !would_brake) return;
-    const auto first = touches_.points.begin() + touch.first_point;
-    const auto end = std::remove_if(first, first + touch.points,
-                                    [](const ContactPoint& p) { return p.depth <= -kMeets; });
-    touch.points = static_cast<std::uint32_t>(end - first);
   }
 
   /// Called when a body has a new path: finds the contact points and impacts of its touches again.
@@ -341,14 +275,14 @@ class Queue {
   }
 
   std::uint32_t candidate_of(std::uint64_t key, BodyId a, BodyId b) {
-    const auto first = touches_.candidates.begin();
-    const auto early = first + static_cast<std::ptrdiff_t>(touches_.early_candidates);
+    const auto first = touches_.pairs->candidates.begin();
+    const auto early = first + static_cast<std::ptrdiff_t>(touches_.pairs->early);
     const auto place = std::lower_bound(
         first, early, key, [](const Candidate& c, std::uint64_t value) { return c.key < value; });
     if (place != early && place->key == key) {
       return static_cast<std::uint32_t>(place - first);
     }
-    return add_candidate(world_, key, a, b, touches_);
+    return add_candidate(world_, key, a, b, *touches_.pairs);
   }
 
   // Each body's touches: a list from the newest to the oldest.
@@ -386,18 +320,6 @@ class Queue {
 
 const Flight* resolve_impacts(World& world, Touches& touches, Workspace& w) {
   Queue queue(world, touches, w);
-  const std::vector<Flyer>& bodies = w.flight.bodies;
-  const double slow = w.flight.lasting_speed - 2.0 * w.flight.fall * world.parameters.rate_hz;
-  for (std::uint32_t k = 0; k < touches.all.size(); ++k) {
-    Touch& touch = touches.all[k];
-    const double fastest = bodies[touch.a].top_speed + bodies[touch.b].top_speed;
-    const bool seen_ahead = touch.time > 0.0;
-    if (seen_ahead || fastest > followed_speed(world, w.flight, touch.a, touch.b)) {
-      queue.note(k);
-    } else if (fastest > slow) {
-      queue.leave_what_lands_later(touch);
-    }
-  }
   const bool woke = !queue.empty() && queue.work_off();
   return woke ? nullptr : &w.flight;
 }

@@ -121,7 +121,7 @@ struct Apart {
 };
 
 /// Two bodies were apart `before` and now overlap: moves the touch back to the time when they meet.
-void go_back(World& world, const Flight& flight, Touches& touches, Touch& touch,
+void go_back(const World& world, const Flight& flight, Touches& touches, Touch& touch,
              const Lasting& lasting, Apart before) {
   // Without a point the gap is not known; it is large, unless bodies that are apart have no points.
   const double unknown = shows_only_overlap(world, touch.a, touch.b) ? 0.5 : 1.0;
@@ -151,7 +151,7 @@ double trusted_for(const World& world, const Touch& touch) {
   return spin * step <= kFarTurn ? kNever : std::max(kFarTurn / spin, step / kTurns);
 }
 
-std::optional<Meeting> find_meeting(World& world, const Flight& flight, Touches& touches,
+std::optional<Meeting> find_meeting(const World& world, const Flight& flight, Touches& touches,
                                     Touch& touch, double threshold) {
   const double trusted = trusted_for(world, touch), step = step_seconds(world);
   const int most = trusted < kNever ? kQueries + 2 * kTurns : kQueries;
@@ -199,9 +199,9 @@ void leave_out_fast(const World& world, const Flight& flight, Touches& touches, 
   touch.points = static_cast<std::uint32_t>(end - first);
 }
 
-std::size_t look_ahead(World& world, const Flight& flight, std::uint32_t candidate, double t,
+std::size_t look_ahead(const World& world, const Flight& flight, std::uint32_t candidate, double t,
                        std::size_t had, Touches& touches) {
-  const Candidate& c = touches.candidates[candidate];
+  const Candidate& c = touches.pairs->candidates[candidate];
   if (!shows_only_overlap(world, c.a, c.b)) return 0;
   const double threshold = followed_speed(world, flight, c.a, c.b);
   const double gravity = flight.fall / step_seconds(world);

@@ -27,7 +27,7 @@ std::optional<Meeting> soonest(const World& world, const Flight& flight, const T
 /// @param touches  gets the new points at the end
 /// @param touch    with points of the start of the step; gets those of the meeting
 /// @return         none when they pass each other, or meet more slowly or later
-std::optional<Meeting> find_meeting(World& world, const Flight& flight, Touches& touches,
+std::optional<Meeting> find_meeting(const World& world, const Flight& flight, Touches& touches,
                                     Touch& touch, double threshold);
 
 /// Removes the points that are apart and approach faster than `threshold`.
@@ -40,7 +40,7 @@ void leave_out_fast(const World& world, const Flight& flight, Touches& touches, 
 ///
 /// @param had  the candidate's touches are those from this number on
 /// @return     how many were added
-std::size_t look_ahead(World& world, const Flight& flight, std::uint32_t candidate, double t,
+std::size_t look_ahead(const World& world, const Flight& flight, std::uint32_t candidate, double t,
                        std::size_t had, Touches& touches);
 
 /// Whether two surfaces that are apart at the end of the step meet after it, as an impact.

@@ -3,8 +3,8 @@
 
 namespace headpin::engine::detail {
 
-void move(World& world, const Flight& flight, const Solved& solved) {
-  for (const BodyId i : world.roll.movers) to_end(world, flight, solved, i, world.states[i]);
+void move(World& world, const Flight& flight, const Solved& solved, Workspace& w) {
+  each_mover(world, w, [&](BodyId i) { to_end(world, flight, solved, i, world.states[i]); });
   for (const BodyId i : world.roll.driven) to_end(world, flight, solved, i, world.states[i]);
 }
 

@@ -55,7 +55,8 @@ bool know_roll(World& world) {
   return true;
 }
 
-void depart(World& world, Flight& flight) {
+void depart(World& world, Workspace& w) {
+  Flight& flight = w.flight;
   know_roll(world);
   know_seams(world);
   const Parameters& p = world.parameters;
@@ -66,14 +67,14 @@ void depart(World& world, Flight& flight) {
   flight.touches.clear();
   flight.bodies.assign(world.bodies.size(), {});
   flight.mobility.resize(world.bodies.size());
-  for (const BodyId i : world.roll.movers) {
+  each_mover(world, w, [&](BodyId i) {
     flight.mobility[i] = {1.0 / world.bodies[i].mass,
                           inverse_inertia(world.inertias[i], world.states[i].X_WB.q)};
     Flyer& flyer = flight.bodies[i];
     flyer.falls = !world.memory.bodies[i].supported;
     note_speed(world, flight, i);
     flyer.sought = flyer.top_speed * dt;
-  }
+  });
   for (const BodyId i : world.roll.driven) note_speed(world, flight, i);
 }
 

@@ -12,8 +12,18 @@ inline constexpr double kFarTurn = 0.2;
 /// Makes the list of bodies that take part, if it is out of date. @return whether it was made
 bool know_roll(World& world);
 
-/// Prepares `flight` with all bodies at the start of the step.
-void depart(World& world, Flight& flight);
+/// Prepares `w.flight` with all bodies at the start of the step.
+void depart(World& world, Workspace& w);
+
+/// Calls `f(i)` for each body that is free and awake, by as many threads as the world has: it changes that body
+/// alone.
+template <typename F>
+void each_mover(const World& world, Workspace& w, F&& f) {
+  const std::vector<BodyId>& movers = world.roll.movers;
+  w.crew.share_range(movers.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) f(movers[k]);
+  });
+}
 
 /// Sets the bounds on the present speed of the body's points.
 inline void note_speed(const World& world, Flight& flight, BodyId i) {

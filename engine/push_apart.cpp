@@ -97,7 +97,8 @@ void push_apart(World& world, const Touches& touches, const Flight& flight, cons
       continue;
     }
     const Pose &X_WA = world.states[touch.a].X_WB, &X_WB = world.states[touch.b].X_WB;
-    for (const ContactPoint& point : points_at_end(world, touches, touch, X_WA, X_WB, w)) {
+    for (const ContactPoint& point :
+         points_at_end(world, touches, touch, X_WA, X_WB, w.each_thread[0].at_end)) {
       take_back(touch, point, row_at(flight, touch, point, X_WA.p, X_WB.p));
     }
   }

@@ -18,21 +18,25 @@ void note_meetings(World& world) {
 
 }  // namespace
 
-void remember(World& world, Touches& touches, const Flight& flight, Solved& solved) {
+void remember(World& world, Touches& touches, const Flight& flight, Solved& solved, Workspace& w) {
   note_meetings(world);
-  touches.candidates.resize(touches.early_candidates);  // those found late are not sorted
+  Pairs& pairs = *touches.pairs;
+  pairs.candidates.resize(pairs.early);  // those found late are not sorted
   Memory& memory = world.memory;
-  std::swap(touches.candidates, memory.candidates);
-  std::swap(touches.normals, memory.normals);
+  std::swap(pairs.candidates, memory.candidates);
+  std::swap(pairs.normals, memory.normals);
   std::swap(solved.loads, memory.loads);
   memory.touches.resize(touches.early);
-  for (std::size_t k = 0; k < touches.early; ++k) {
+  const auto keep = [&](std::size_t k) {
     const Touch& t = touches.all[k];
     const SolvedTouch& s = solved.touches[k];
     memory.touches[k] = {t.key,        t.part, s.met,           flight.touches[k].struck,
                          s.first_load, s.rows, t.pair.friction, t.sliding,
                          s.friction_W, s.roll, s.twist};
-  }
+  };
+  w.crew.share_range(touches.early, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) keep(k);
+  });
   world.statistics.contacts = static_cast<std::int64_t>(memory.loads.size());
   world.statistics.awake = static_cast<std::int64_t>(world.roll.movers.size());
 }

@@ -6,8 +6,9 @@
 /// step.cpp; users call `step`.
 namespace headpin::engine::detail {
 
-/// Finds pairs of bodies that are close enough to meet within the step, and their contact points at
-/// the start of the step. Wakes sleeping bodies that a moving body touches.
+/// Finds pairs of bodies that are close enough to meet within the step, their contact points at the
+/// start of the step, and when each pair may have its first impact. Wakes sleeping bodies that a moving
+/// body touches.
 Touches& find_touches(World& world, Workspace& w);
 
 /// Applies impulses where bodies meet within the step, in order of time, until no pair approaches.
@@ -27,7 +28,7 @@ void stop_swings(World& world, const Touches& touches, const Flight& flight, Sol
                  Workspace& w);
 
 /// Moves bodies to the end of the step: free bodies exactly, carried ones by their end velocity.
-void move(World& world, const Flight& flight, const Solved& solved);
+void move(World& world, const Flight& flight, const Solved& solved, Workspace& w);
 
 /// Corrects overlaps without adding speed.
 void push_apart(World& world, const Touches& touches, const Flight& flight, const Solved& solved,
@@ -38,6 +39,6 @@ void fall_asleep(World& world, const Touches& touches, const Flight& flight, Sol
 
 /// Stores the contacts of this step for the warm start of the next one, and marks the events that
 /// are the first between two bodies. Drops lasting touches of bodies that had met before.
-void remember(World& world, Touches& touches, const Flight& flight, Solved& solved);
+void remember(World& world, Touches& touches, const Flight& flight, Solved& solved, Workspace& w);
 
 }  // namespace headpin::engine::detail

@@ -8,10 +8,10 @@
 namespace headpin::engine {
 namespace {
 
-void apply_gravity(World& world, const detail::Flight& flight) {
+void apply_gravity(World& world, const detail::Flight& flight, Workspace& w) {
   const Vec3& g = world.parameters.gravity_W;
   const Vec3 dv = step_seconds(world) * g;
-  for (const BodyId i : world.roll.movers) world.states[i].v_WB += dv;
+  detail::each_mover(world, w, [&](BodyId i) { world.states[i].v_WB += dv; });
   for (const auto& [i, state] : flight.struck) {  // they have already fallen until their impact
     world.states[i].v_WB -= flight.bodies[i].clock * g;
   }
@@ -32,10 +32,16 @@ struct Met {
 
 /// Touches and impacts; found again while an impact wakes a body.
 Met meet(World& world, Workspace& w) {
+  w.touches.queries = {};
+  w.crew.use(world.parameters.threads);
+  w.each_thread.resize(static_cast<std::size_t>(world.parameters.threads));
+  for (detail::ThreadBuffers& t : w.each_thread) t.at_end.queries = {};
   for (;;) {
     detail::Touches& touches = detail::find_touches(world, w);
     const detail::Flight* flight = detail::resolve_impacts(world, touches, w);
-    if (flight) return {touches, *flight};
+    if (!flight) continue;
+    world.statistics.queries = touches.queries;
+    return {touches, *flight};
   }
 }
 
@@ -55,9 +61,7 @@ Statistics& Statistics::operator+=(const Statistics& other) {
   steps += other.steps;
   pairs += other.pairs;
   contacts += other.contacts;
-  queries.queries += other.queries.queries;
-  queries.iterations += other.queries.iterations;
-  queries.capped += other.queries.capped;
+  queries += other.queries;
   impacts += other.impacts;
   unfinished_impacts += other.unfinished_impacts;
   pulls += other.pulls;
@@ -84,12 +88,12 @@ void step(World& world, Workspace& w) {
   }
   const auto [touches, flight] = meet(world, w);
   books.book_impacts();
-  apply_gravity(world, flight);
+  apply_gravity(world, flight, w);
   books.begin();
   Solved& solved = sustain(world, touches, flight, w);
   stop_swings(world, touches, flight, solved, w);
   books.end(world.ledger.sustained);
-  move(world, flight, solved);
+  move(world, flight, solved, w);
   stop_if_not_finite(world);
   books.begin();
   push_apart(world, touches, flight, solved, w);
@@ -97,7 +101,8 @@ void step(World& world, Workspace& w) {
   fall_asleep(world, touches, flight, solved);
   books.end(world.ledger.sustained);
   books.close();
-  remember(world, touches, flight, solved);
+  remember(world, touches, flight, solved, w);
+  for (const ThreadBuffers& t : w.each_thread) world.statistics.queries += t.at_end.queries;
   ++world.tick;
 }
 

@@ -175,11 +175,12 @@ void note_slide(const Island& s, const FrictionRows& f) {
 }
 
 /// Stores the results of an island's contacts for later stages: loads, friction and deep points.
-void keep(const Island& s, std::vector<std::uint32_t>& met_now) {
-  World& world = s.world;
+void keep(Island& s) {
+  const World& world = s.world;
   Solved& solved = s.result;
   const double slop = world.parameters.slop;
-  double& deepest = world.statistics.deepest_overlap;
+  std::vector<DeepRow>& deep_rows = s.part.deep_rows;
+  double& deepest = s.part.statistics.deepest_overlap;
   for (const FrictionRows& f : s.rows.friction) {
     SolvedTouch& touch = solved.touches[f.touch];
     touch.friction_W = f.impulse[0] * f.t[0] + f.impulse[1] * f.t[1];
@@ -191,8 +192,8 @@ void keep(const Island& s, std::vector<std::uint32_t>& met_now) {
     const Touch& found = s.touches[k];
     SolvedTouch& touch = solved.touches[k];
     if (touch.rows == 0) continue;
-    touch.first_load = static_cast<std::uint32_t>(solved.loads.size());
-    touch.first_deep = static_cast<std::uint32_t>(solved.deep_rows.size());
+    touch.first_load = s.first_load;
+    touch.first_deep = static_cast<std::uint32_t>(deep_rows.size());
     Vec3 F = touch.friction_W;
     double load = 0.0;
     const NormalRow* const rows = s.normals.data() + touch.first_row;
@@ -200,18 +201,18 @@ void keep(const Island& s, std::vector<std::uint32_t>& met_now) {
     for (std::uint32_t n = 0; n < touch.rows; ++n) {
       const NormalRow& row = rows[n];
       const double depth = points[n].depth;
-      solved.loads.push_back({row.impulse, row.feature});
+      solved.loads[s.first_load++] = {row.impulse, row.feature};
       F -= row.impulse * row.n;
       load += row.impulse;
       touch.depth = std::max(touch.depth, depth);
-      if (depth > slop) solved.deep_rows.push_back({row, found.first_point + n});
+      if (depth > slop) deep_rows.push_back({row, found.first_point + n});
     }
-    touch.deep = static_cast<std::uint32_t>(solved.deep_rows.size()) - touch.first_deep;
+    touch.deep = static_cast<std::uint32_t>(deep_rows.size()) - touch.first_deep;
     deepest = std::max(deepest, touch.depth);
     const double lift = -F.dot(world.parameters.gravity_W);
     solved.carried[found.a] += lift;
     if (found.b_moves) solved.carried[found.b] -= lift;
-    if (!touch.met && load > 0.0) met_now.push_back(k);
+    if (!touch.met && load > 0.0) s.part.met_now.push_back(k);
   }
 }
 
@@ -267,25 +268,26 @@ HEADPIN_ALSO_AVX HEADPIN_FLATTEN void solve_island(Island& s, Workspace& w) {
   } else if (!done.solved) {
     take_back_gain(s, done);
   }
-  keep(s, w.met_now);
+  keep(s);
   if (p.keep_ledger && !world.roll.driven.empty()) w.by_driven += given_by_driven(s);
-  ++world.statistics.islands;
-  world.statistics.solver_iterations += done.count;
-  world.statistics.unsolved += done.solved ? 0 : 1;
-  world.statistics.residual = std::max(world.statistics.residual, done.worst);
+  Statistics& sum = s.part.statistics;
+  ++sum.islands;
+  sum.solver_iterations += done.count;
+  sum.unsolved += done.solved ? 0 : 1;
+  sum.residual = std::max(sum.residual, done.worst);
 }
 
 /// Stores the part of each body's weight that its contacts carry, and which bodies do not fall in
 /// the next step: those that are at least half carried and do not rise.
-void note_carried(World& world, const Flight& flight, std::vector<double>& carried) {
+void note_carried(World& world, const Flight& flight, std::vector<double>& carried, Workspace& w) {
   const Vec3& g = world.parameters.gravity_W;
   const double fall = g.squaredNorm() * step_seconds(world);
   const double rise = g.norm() * flight.lasting_speed;
-  for (const BodyId i : world.roll.movers) {
+  each_mover(world, w, [&](BodyId i) {
     double& part = carried[i];
     part = part > 0.0 ? std::min(1.0, part / (fall * world.bodies[i].mass)) : 0.0;
     world.memory.bodies[i].supported = part >= 0.5 && -world.states[i].v_WB.dot(g) <= rise;
-  }
+  });
 }
 
 /// Adds the events of bodies that meet for the first time.
@@ -309,42 +311,103 @@ void note_met(World& world, const Touches& touches, Solved& solved,
   }
 }
 
+/// Prepares the results of all touches.
+void begin(const World& world, const Touches& touches, const Flight& flight, Workspace& w) {
+  Solved& solved = w.solved;
+  solved.carried.resize(world.bodies.size());
+  solved.slowed.resize(world.bodies.size());
+  each_mover(world, w, [&](BodyId i) {
+    solved.carried[i] = 0.0;
+    solved.slowed[i] = Vec3::Zero();
+  });
+  solved.touches.resize(touches.all.size());
+  w.crew.share_range(touches.all.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      SolvedTouch& touch = solved.touches[k] = {};
+      touch.rows = touches.all[k].points;
+      touch.met = touches.all[k].met;
+      touch.insists = flight.touches[k].insists;
+    }
+  });
+}
+
+/// Parts of about as many touches each. Islands that one driven body may press are one part: they stop it in
+/// turn while they are solved.
+void part_islands(const World& world, Workspace& w) {
+  const bool together = w.crew.threads() < 2 || !world.roll.driven.empty();
+  const Islands& islands = w.solved.islands;
+  const std::size_t most = together ? islands.order.size() : Crew::kRange;
+  std::size_t parts = 0;
+  std::uint32_t loads = 0;
+  std::size_t start = 0;  // first touch of the part
+  const auto begin_part = [&](std::uint32_t island) {
+    if (parts == w.island_parts.size()) w.island_parts.emplace_back();
+    IslandPart& part = w.island_parts[parts++];
+    part.begin = island;
+    part.first_load = loads;
+    part.deep_rows.clear();
+    part.met_now.clear();
+    part.statistics = {};
+  };
+  begin_part(0);
+  std::size_t k = 0;
+  for (std::uint32_t n = 0; n < islands.end.size(); ++n) {
+    if (k - start >= most) {
+      w.island_parts[parts - 1].end = n;
+      begin_part(n);
+      start = k;
+    }
+    for (; k < islands.end[n]; ++k) loads += w.solved.touches[islands.order[k]].rows;
+  }
+  w.island_parts[parts - 1].end = static_cast<std::uint32_t>(islands.end.size());
+  w.island_parts.resize(parts);
+  w.solved.loads.resize(loads);
+}
+
+/// Puts together what the parts have found, in the order of the islands.
+void join(World& world, Workspace& w) {
+  Solved& solved = w.solved;
+  solved.deep_rows.clear();
+  w.met_now.clear();
+  for (const IslandPart& part : w.island_parts) {
+    if (!solved.deep_rows.empty() && !part.deep_rows.empty()) {
+      const auto before = static_cast<std::uint32_t>(solved.deep_rows.size());
+      for (const std::uint32_t k : touches_of(solved.islands, part)) {
+        solved.touches[k].first_deep += before;
+      }
+    }
+    solved.deep_rows.insert(solved.deep_rows.end(), part.deep_rows.begin(), part.deep_rows.end());
+    w.met_now.insert(w.met_now.end(), part.met_now.begin(), part.met_now.end());
+    world.statistics += part.statistics;
+  }
+}
+
 }  // namespace
 
 Solved& sustain(World& world, const Touches& touches, const Flight& flight, Workspace& w) {
   Solved& solved = w.solved;
-  solved.loads.clear();
-  solved.deep_rows.clear();
-  solved.carried.resize(world.bodies.size());
-  solved.slowed.resize(world.bodies.size());
-  for (const BodyId i : world.roll.movers) {
-    solved.carried[i] = 0.0;
-    solved.slowed[i] = Vec3::Zero();
-  }
-  solved.touches.assign(touches.all.size(), {});
-  for (std::size_t k = 0; k < touches.all.size(); ++k) {
-    SolvedTouch& touch = solved.touches[k];
-    touch.rows = touches.all[k].points;
-    touch.met = touches.all[k].met;
-    touch.insists = flight.touches[k].insists;
-  }
-  w.met_now.clear();
+  begin(world, touches, flight, w);
   find_islands(world, touches.all, solved.islands);
-  Island island{world,
-                flight,
-                touches.all.data(),
-                touches.points.data(),
-                solved.touches.data(),
-                solved,
-                w.rows,
-                {world.states.data(), flight.mobility.data()}};
-  const std::uint32_t* start = solved.islands.order.data();
-  for (const std::uint32_t end : solved.islands.end) {
-    island.each = {start, solved.islands.order.data() + end};
-    solve_island(island, w);
-    start = solved.islands.order.data() + end;
-  }
-  note_carried(world, flight, solved.carried);
+  part_islands(world, w);
+  w.crew.share(w.island_parts.size(), [&](std::size_t k, std::size_t who) {
+    IslandPart& part = w.island_parts[k];
+    Island island{world,
+                  flight,
+                  touches.all.data(),
+                  touches.points.data(),
+                  solved.touches.data(),
+                  solved,
+                  w.each_thread[who].rows,
+                  {world.states.data(), flight.mobility.data()},
+                  part};
+    island.first_load = part.first_load;
+    for (std::uint32_t n = part.begin; n < part.end; ++n) {
+      island.each = touches_of(solved.islands, n);
+      solve_island(island, w);
+    }
+  });
+  join(world, w);
+  note_carried(world, flight, solved.carried, w);
   note_met(world, touches, solved, w.met_now);
   return solved;
 }

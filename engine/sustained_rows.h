@@ -99,7 +99,9 @@ struct Island {
   Solved& result;
   Rows& rows;
   Pushed bodies;
+  IslandPart& part;                          ///< gets what is found for later stages
   std::span<const std::uint32_t> each = {};  ///< numbers of its touches
+  std::uint32_t first_load = 0;              ///< of the next touch
   std::span<NormalRow> normals = {};         ///< rows of its touches, set by add_rows
 };
 

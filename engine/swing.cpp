@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "engine/at_end.h"
+#include "engine/islands.h"
 #include "engine/rules.h"
 #include "engine/stages.h"
 
@@ -49,28 +50,35 @@ bool stop_at(World& world, const Flight& flight, Balance& pushed, const Touch& t
   return true;
 }
 
+void stop_swing(World& world, const Touches& touches, const Flight& flight, Solved& solved,
+                std::uint32_t k, AtEnd& at_end, Balance& pushed) {
+  const Touch& touch = touches.all[k];
+  if (touch.points == 0) return;
+  SolvedTouch& s = solved.touches[k];
+  s.swings = swings(world, flight, touch, s.depth);
+  for (int round = 0; s.swings && round < kRounds; ++round) {
+    const Pose X_WA = pose_at_end(world, flight, solved, touch.a);
+    const Pose X_WB = pose_at_end(world, flight, solved, touch.b);
+    const ContactPoint* worst = nullptr;
+    for (const ContactPoint& p : points_at_end(world, touches, touch, X_WA, X_WB, at_end)) {
+      const double least = worst ? worst->depth : s.depth + world.parameters.slop;
+      if (!p.guessed && p.depth > least) worst = &p;
+    }
+    if (!worst) break;
+    const NormalRow row = row_at(flight, touch, *worst, X_WA.p, X_WB.p);
+    if (!stop_at(world, flight, pushed, touch, *worst, row)) break;
+  }
+}
+
 }  // namespace
 
 void stop_swings(World& world, const Touches& touches, const Flight& flight, Solved& solved,
                  Workspace& w) {
-  for (std::size_t k = 0; k < touches.all.size(); ++k) {
-    const Touch& touch = touches.all[k];
-    if (touch.points == 0) continue;
-    SolvedTouch& s = solved.touches[k];
-    s.swings = swings(world, flight, touch, s.depth);
-    for (int round = 0; s.swings && round < kRounds; ++round) {
-      const Pose X_WA = pose_at_end(world, flight, solved, touch.a);
-      const Pose X_WB = pose_at_end(world, flight, solved, touch.b);
-      const ContactPoint* worst = nullptr;
-      for (const ContactPoint& p : points_at_end(world, touches, touch, X_WA, X_WB, w)) {
-        const double least = worst ? worst->depth : s.depth + world.parameters.slop;
-        if (!p.guessed && p.depth > least) worst = &p;
-      }
-      if (!worst) break;
-      const NormalRow row = row_at(flight, touch, *worst, X_WA.p, X_WB.p);
-      if (!stop_at(world, flight, w.by_driven, touch, *worst, row)) break;
+  w.crew.share(w.island_parts.size(), [&](std::size_t k, std::size_t who) {
+    for (const std::uint32_t touch : touches_of(solved.islands, w.island_parts[k])) {
+      stop_swing(world, touches, flight, solved, touch, w.each_thread[who].at_end, w.by_driven);
     }
-  }
+  });
 }
 
 }  // namespace headpin::engine::detail

@@ -66,26 +66,26 @@ inline Coefficients coefficients_of(const World& world, const Touches& touches,
 
 }  // namespace
 
-void contacts_of(World& world, const Candidate& c, std::span<KeptNormal> normals, const Pose& X_WA,
-                 const Pose& X_WB, double margin, std::vector<ContactPoint>& out) {
+void contacts_of(const World& world, const Candidate& c, std::span<KeptNormal> normals,
+                 const Pose& X_WA, const Pose& X_WB, double margin, QueryCounts& counts,
+                 std::vector<ContactPoint>& out) {
   const Body &a = world.bodies[c.a], &b = world.bodies[c.b];
   Query query = world.parameters.query;
   if ((a.exact || b.exact) && keeps_rooms_exact(world.parameters)) query.mode = Query::converged;
   const std::size_t first = out.size();
-  find_contacts(*a.shape, X_WA, *b.shape, X_WB, margin, normals, query, world.statistics.queries,
-                out);
+  find_contacts(*a.shape, X_WA, *b.shape, X_WB, margin, normals, query, counts, out);
   if (!world.seams.all.empty() && query.mode == Query::converged) {
     mend_at_seams(world, {c.a, X_WA}, {c.b, X_WB}, first, out);
   }
 }
 
 std::uint32_t add_candidate(const World& world, std::uint64_t key, BodyId a, BodyId b,
-                            Touches& touches) {
+                            Pairs& pairs) {
   const std::size_t count = kept_normals(*world.bodies[a].shape, *world.bodies[b].shape);
-  touches.candidates.push_back({key, a, b, static_cast<std::uint32_t>(touches.normals.size()),
-                                static_cast<std::uint32_t>(count)});
-  touches.normals.resize(touches.normals.size() + count);
-  return static_cast<std::uint32_t>(touches.candidates.size() - 1);
+  pairs.candidates.push_back({key, a, b, static_cast<std::uint32_t>(pairs.normals.size()),
+                              static_cast<std::uint32_t>(count)});
+  pairs.normals.resize(pairs.normals.size() + count);
+  return static_cast<std::uint32_t>(pairs.candidates.size() - 1);
 }
 
 Sliding sliding_of(const World& world, const Touch& touch) {
@@ -145,7 +145,7 @@ bool shows_only_overlap(const World& world, BodyId a, BodyId b) {
 }
 
 Touch touch_of(const World& world, std::uint32_t candidate, const Touches& touches) {
-  const Candidate& c = touches.candidates[candidate];
+  const Candidate& c = touches.pairs->candidates[candidate];
   const bool a_moves = is_mover(world, c.a), b_moves = is_mover(world, c.b);
   const bool swapped = world.bodies[c.a].kind == Kind::fixed || (!a_moves && b_moves);
   Touch touch;
@@ -160,19 +160,19 @@ Touch touch_of(const World& world, std::uint32_t candidate, const Touches& touch
   return touch;
 }
 
-std::size_t add_touches(World& world, const Flight& flight, std::uint32_t candidate, double t,
+std::size_t add_touches(const World& world, const Flight& flight, std::uint32_t candidate, double t,
                         Touches& touches) {
-  const Candidate& c = touches.candidates[candidate];
+  const Candidate& c = touches.pairs->candidates[candidate];
   const std::size_t first = touches.points.size();
   const double margin = reach(world, flight, c.a, c.b);
-  const std::span<KeptNormal> normals = normals_of(touches, c);
+  const std::span<KeptNormal> normals = normals_of(*touches.pairs, c);
   Vec3 w_WA = world.states[c.a].w_WB, w_WB = world.states[c.b].w_WB;
   if (t == 0.0) {
     contacts_of(world, c, normals, world.states[c.a].X_WB, world.states[c.b].X_WB, margin,
-                touches.points);
+                touches.queries, touches.points);
   } else {
     const State a = state_at(world, flight, c.a, t), b = state_at(world, flight, c.b, t);
-    contacts_of(world, c, normals, a.X_WB, b.X_WB, margin, touches.points);
+    contacts_of(world, c, normals, a.X_WB, b.X_WB, margin, touches.queries, touches.points);
     w_WA = a.w_WB;
     w_WB = b.w_WB;
   }
@@ -200,16 +200,18 @@ std::size_t add_touches(World& world, const Flight& flight, std::uint32_t candid
   return touches.all.size() - had;
 }
 
-void look_again(World& world, const Flight& flight, Touch& touch, double t, Touches& touches) {
-  const Candidate& c = touches.candidates[touch.candidate];
+void look_again(const World& world, const Flight& flight, Touch& touch, double t,
+                Touches& touches) {
+  const Candidate& c = touches.pairs->candidates[touch.candidate];
   const bool swapped = c.a != touch.a;
   const State a = state_at(world, flight, touch.a, t), b = state_at(world, flight, touch.b, t);
   touch.time = t;
   touch.w_WA = a.w_WB;
   touch.w_WB = b.w_WB;
   touch.first_point = static_cast<std::uint32_t>(touches.points.size());
-  contacts_of(world, c, normals_of(touches, c), swapped ? b.X_WB : a.X_WB,
-              swapped ? a.X_WB : b.X_WB, reach(world, flight, touch.a, touch.b), touches.points);
+  contacts_of(world, c, normals_of(*touches.pairs, c), swapped ? b.X_WB : a.X_WB,
+              swapped ? a.X_WB : b.X_WB, reach(world, flight, touch.a, touch.b), touches.queries,
+              touches.points);
   keep_points_of(world, c, touch, touch.first_point, touches.points);
   touch.points = static_cast<std::uint32_t>(touches.points.size()) - touch.first_point;
   if (swapped) turn_normals(std::span(touches.points).subspan(touch.first_point));

@@ -18,8 +18,9 @@ inline double reach(const World& world, const Flight& flight, BodyId a, BodyId b
 }
 
 /// Appends the contact points of the candidate's bodies at these poses, with their kept normals.
-void contacts_of(World& world, const Candidate& c, std::span<KeptNormal> normals, const Pose& X_WA,
-                 const Pose& X_WB, double margin, std::vector<ContactPoint>& out);
+void contacts_of(const World& world, const Candidate& c, std::span<KeptNormal> normals,
+                 const Pose& X_WA, const Pose& X_WB, double margin, QueryCounts& counts,
+                 std::vector<ContactPoint>& out);
 
 /// Whether the parts of a candidate's fixed body are touched each on its own.
 bool has_touch_for_each_part(const World& world, const Candidate& c);
@@ -41,12 +42,12 @@ Touch touch_of(const World& world, std::uint32_t candidate, const Touches& touch
 /// any points.
 ///
 /// @return  how many: at most one, unless parts of a fixed body are touched each on its own
-std::size_t add_touches(World& world, const Flight& flight, std::uint32_t candidate, double t,
+std::size_t add_touches(const World& world, const Flight& flight, std::uint32_t candidate, double t,
                         Touches& touches);
 
 /// Finds the touch's points again, at time `t` of the step on the present paths of both bodies, and
 /// appends them.
-void look_again(World& world, const Flight& flight, Touch& touch, double t, Touches& touches);
+void look_again(const World& world, const Flight& flight, Touch& touch, double t, Touches& touches);
 
 /// How a touch continues to slide under the world's law of response.
 Sliding sliding_of(const World& world, const Touch& touch);
@@ -56,10 +57,10 @@ bool was_loaded(const Memory& memory, const Touch& touch);
 
 /// Appends a candidate that the last step did not have, so it has no normals for a warm start.
 std::uint32_t add_candidate(const World& world, std::uint64_t key, BodyId a, BodyId b,
-                            Touches& touches);
+                            Pairs& pairs);
 
-inline std::span<KeptNormal> normals_of(Touches& touches, const Candidate& c) {
-  return std::span(touches.normals).subspan(c.first_normal, c.normals);
+inline std::span<KeptNormal> normals_of(Pairs& pairs, const Candidate& c) {
+  return std::span(pairs.normals).subspan(c.first_normal, c.normals);
 }
 
 /// The points of a touch.

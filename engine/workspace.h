@@ -8,7 +8,9 @@
 #include "engine/body.h"
 #include "engine/broad_phase.h"
 #include "engine/contacts.h"
+#include "engine/crew.h"
 #include "engine/memory.h"
+#include "engine/world.h"
 
 /// Buffers of a step. Users who step often keep a `Workspace` and need nothing inside it.
 namespace headpin::engine {
@@ -39,15 +41,24 @@ struct Touch {
   Sliding sliding;
 };
 
-/// Touches in the order of their keys and parts, with their points and normals. Impacts move points to the
+/// Candidates, and the normals of their pairs of parts.
+struct Pairs {
+  std::vector<Candidate> candidates;
+  std::vector<KeptNormal> normals;
+  std::size_t early = 0;  ///< number of candidates from the start of the step, sorted
+};
+
+/// Touches in the order of their keys and parts, with their points. Impacts move points to the
 /// time of the last impact of their bodies, remove points of bodies that pass each other, and
 /// append the touches of bodies that got faster. The appended touches are not sorted.
 struct Touches {
-  std::vector<Candidate> candidates;
-  std::vector<KeptNormal> normals;
+  Pairs* pairs = nullptr;
   std::vector<Touch> all;
   std::vector<ContactPoint> points;
-  std::size_t early_candidates = 0, early = 0;  ///< number from the start of the step, sorted
+  std::size_t early = 0;      ///< number from the start of the step, sorted
+  std::vector<double> due;    ///< of these, the time of the next possible impact; infinity: never
+  std::vector<BodyId> woken;  ///< sleeping bodies that a touch wakes
+  QueryCounts queries;
 };
 
 // Results of moving to the impacts.
@@ -236,6 +247,28 @@ struct Rows {
   std::vector<std::pair<BodyId, State>> pressing;  ///< states of driven bodies that touch it
 };
 
+/// Buffers for contacts at the end of the step.
+struct AtEnd {
+  std::vector<KeptNormal> normals;
+  std::vector<ContactPoint> points;
+  QueryCounts queries;
+};
+
+/// Islands that one thread solves, and what it finds.
+struct IslandPart {
+  std::uint32_t begin = 0, end = 0;  ///< numbers of islands
+  std::uint32_t first_load = 0;
+  std::vector<DeepRow> deep_rows;
+  std::vector<std::uint32_t> met_now;  ///< touches with a load whose bodies had not met before
+  Statistics statistics;
+};
+
+/// Buffers that each thread has for itself.
+struct ThreadBuffers {
+  Rows rows;
+  AtEnd at_end;
+};
+
 struct Nudge {
   Vec3 p = Vec3::Zero(), w = Vec3::Zero();
 };
@@ -252,23 +285,27 @@ struct Booked {
 /// Buffers of a step. Their content has no meaning between steps; any workspace works for any
 /// world.
 struct Workspace {
+  detail::Pairs pairs;
   detail::Touches touches;
   detail::Flight flight;
   detail::Solved solved;
   std::vector<detail::Booked> booked;  ///< of the ledger, by body
   Balance by_impacts, by_driven;  ///< gains by the impacts of a step; by driven bodies in a stage
   BroadPhase broad_phase;
-  std::vector<std::uint32_t> known_parts;  // of a pair that has touches
-  std::vector<std::uint32_t> known;        ///< touches that a pair has already
-  std::vector<std::uint32_t> near;  ///< bounded bodies near a body that an impact made faster
+  detail::Crew crew;
+  std::size_t parts = 1;                     ///< in which touches are found
+  std::vector<detail::Touches> touch_parts;  ///< before they are joined, if there are several
+  std::vector<detail::IslandPart> island_parts;
+  std::vector<detail::ThreadBuffers> each_thread = std::vector<detail::ThreadBuffers>(1);
+  std::vector<std::uint32_t> known;  ///< touches that a pair has already
+  std::vector<std::uint32_t> near;   ///< bounded bodies near a body that an impact made faster
   std::vector<std::pair<double, std::uint32_t>> coming;  ///< impacts by time, and their touches
   std::vector<BodyId> halted;                            ///< bodies at the limit of impacts
-  detail::Rows rows;
   std::vector<std::uint32_t> met_now;  ///< touches with a load whose bodies had not met before
-  std::vector<KeptNormal> end_normals;
-  std::vector<ContactPoint> end_points;
   std::vector<detail::Nudge> nudges;   ///< of bodies
   std::vector<BodyId> nudged, pinned;  ///< pushed apart; held by a driven body, far in
+
+  detail::Touches& part_of(std::size_t k) { return parts == 1 ? touches : touch_parts[k]; }
 };
 
 }  // namespace headpin::engine

@@ -51,6 +51,7 @@ struct Parameters {
   double sleep_after = 0.25;  ///< [s]
   int rules = 11;             ///< 1 to 10 are those of older trials; what they lack is in rules.h
   bool keep_ledger = false;   ///< `World::ledger`; costs about a tenth of a step
+  int threads = 1;            ///< that share a step of many bodies; the bits are the same
 };
 
 /// Statistics of one step, or sums over many steps (largest values: the largest of all).

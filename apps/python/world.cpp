@@ -212,7 +212,7 @@ void make_steps(PyWorld& w, std::int64_t count) {
 
 std::unique_ptr<PyWorld> world_of(int rate_hz, const Vec3& gravity, const py::object& response,
                                   const std::string& sliding, const std::string& detection, int cap,
-                                  bool warm, bool sleep, bool ledger) {
+                                  bool warm, bool sleep, bool ledger, int threads) {
   Parameters p;
   p.rate_hz = rate_hz;
   p.gravity_W = gravity;
@@ -227,6 +227,7 @@ std::unique_ptr<PyWorld> world_of(int rate_hz, const Vec3& gravity, const py::ob
   p.query.warm = warm;
   p.sleep = sleep;
   p.keep_ledger = ledger;
+  p.threads = threads;
   auto made = std::make_unique<PyWorld>();
   if (py::isinstance<py::str>(response)) {
     p.response = response_named(response.cast<std::string>()).name;
@@ -404,7 +405,7 @@ void add_world(py::module_& m) {
       py::init(&world_of), py::kw_only(), "rate_hz"_a = p.rate_hz, "gravity"_a = p.gravity_W,
       "response"_a = "paper", "sliding"_a = "paper", "detection"_a = "converged",
       "cap"_a = p.query.cap, "warm"_a = p.query.warm, "sleep"_a = p.sleep,
-      "keep_ledger"_a = p.keep_ledger,
+      "keep_ledger"_a = p.keep_ledger, "threads"_a = p.threads,
       "An empty world.\n\nrate_hz: steps a second. gravity: (3,) [m/s^2].\n"
       "response: paper, coulomb, or a law of one's own: a function (u, K, N, elasticity, "
       "friction) -> impulse,\n  or the address (int) of a C function `void (const double u[3], "
@@ -415,7 +416,8 @@ void add_world(py::module_& m) {
       "impulse.\nsliding: with such a law, paper or coulomb: how sliding continues at lasting "
       "contacts.\n"
       "detection: converged, or paper with its cap on iterations, 5 to 20, and a warm start.\n"
-      "sleep: bodies at rest sleep. keep_ledger: `ledger` is kept, for a tenth of the time.");
+      "sleep: bodies at rest sleep. keep_ledger: `ledger` is kept, for a tenth of the time.\n"
+      "threads: that share a step where hundreds of bodies are near each other; the bits are the same.");
   add_world_changes(world);
   add_world_copies(world);
   add_world_views(world);

@@ -25,8 +25,10 @@ using Make = std::function<std::unique_ptr<Contender>(const Scene&)>;
 class Ours final : public Contender {
  public:
   /// @param as_peers  with their restitution and friction, and no rolling resistance
-  explicit Ours(const Scene& scene, std::string_view response = "paper", bool as_peers = false) {
+  explicit Ours(const Scene& scene, std::string_view response = "paper", bool as_peers = false,
+                int threads = 1) {
     engine::RackOptions o;
+    o.parameters.threads = threads;
     o.parameters.response = response;
     o.parameters.sleep = scene.sleep;
     o.ball = scene.ball;
@@ -80,6 +82,8 @@ struct Entrant {
 };
 
 const Entrant kOurs{"headpin", [](const Scene& s) { return std::make_unique<Ours>(s); }};
+const Entrant kTwoThreads{
+    "headpin", [](const Scene& s) { return std::make_unique<Ours>(s, "paper", false, 2); }};
 const Entrant kBullet{"Bullet", make_bullet};
 const Entrant kOde{"ODE", make_ode};
 const Entrant kMujoco{"MuJoCo", make_mujoco};
@@ -194,6 +198,12 @@ void run(bool quick) {
   if (!quick) {  // and whole games, which end lying still
     const std::vector<Times> t = compare({kOurs, kBullet}, {.racks = 100}, 5.0, 3);
     rows.push_back({"1000 skittles, 5 s, mean", "us", t[0].mean, "Bullet", t[1].mean});
+  }
+  for (const int racks : {100, 1000}) {
+    if (quick) break;
+    const std::vector<Times> t = compare({kTwoThreads, kOurs}, {.racks = racks}, 2.0, 3);
+    rows.push_back({std::to_string(10 * racks) + " skittles, 2 s, two threads, mean", "us",
+                    t[0].mean, "one thread", t[1].mean});
   }
   rows.push_back({"growth with skittles, aim 1.08", "exponent", growth_exponent(skittles, ours),
                   "linear", 1.0});

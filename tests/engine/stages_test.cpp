@@ -1,5 +1,7 @@
 #include "engine/stages.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "engine/at_end.h"
@@ -34,12 +36,21 @@ World two_balls(double gap, double closing) {
   return world;
 }
 
+/// Time in which a ball falls through a gap: g t^2 / 2 + v t = gap.
+double fall_time(double gap, double down) {
+  return (std::sqrt(down * down + 2.0 * kG * gap) - down) / kG;
+}
+
 // In a step gravity adds g dt to the velocity, and no more than g dt^2 to the way.
 TEST(FindTouches, GivesTheBallThatMayReachTheLaneWithinTheStepAndNoOther) {
   const double way = 5.0 * kStep + kG * kStep * kStep;
   Workspace w;
-  World near = ball_over_lane(0.999 * way, 5.0), far = ball_over_lane(way + 2e-3, 5.0);
-  const Touches& touches = find_touches(near, w);
+  World far = ball_over_lane(way + 2e-3, 5.0), near = ball_over_lane(0.999 * way, 5.0);
+  EXPECT_TRUE(find_touches(far, w).all.empty());
+  EXPECT_EQ(find_touches(near, w).all.size(), 1u);  // and its point is left to the next step
+  const double gap = 4.0 * kStep;
+  World hit = ball_over_lane(gap, 5.0);
+  const Touches& touches = find_touches(hit, w);
   ASSERT_EQ(touches.all.size(), 1u);
   const Touch& touch = touches.all[0];
   EXPECT_EQ(touch.a, 1u);  // the free one
@@ -48,9 +59,9 @@ TEST(FindTouches, GivesTheBallThatMayReachTheLaneWithinTheStepAndNoOther) {
   EXPECT_FALSE(touch.b_moves);
   ASSERT_EQ(touch.points, 1u);
   const ContactPoint& point = touches.points[touch.first_point];
-  EXPECT_NEAR(point.depth, -0.999 * way, 1e-12);
+  EXPECT_NEAR(point.depth, -gap, 1e-12);
   EXPECT_EQ(point.n_AB_W, Vec3(0.0, 0.0, -1.0));
-  EXPECT_TRUE(find_touches(far, w).all.empty());
+  EXPECT_NEAR(touches.due[0], fall_time(gap, 5.0), 1e-9);
 }
 
 TEST(FindTouches, WakesASleeperThatSomethingIsAboutToHit) {
@@ -119,7 +130,7 @@ TEST(StopSwings, KeepsTheEndOfARodOutOfTheLane) {
   rod.inertia = Vec3(1e-3, 0.6, 0.6).asDiagonal();
   add_body(world, rod, at(Vec3(0.0, 0.0, 0.0101), Vec3::Zero(), Vec3(0.0, 20.0, 0.0)));
   Workspace w;
-  depart(world, w.flight);
+  depart(world, w);
   Touches touches = find_touches(world, w);
   const Flight flight = w.flight;  // as if no impact had come of it
   w.flight.touches.assign(touches.all.size(), {});
@@ -142,12 +153,12 @@ TEST(Move, LetsAFreeBodyFallAlongItsParabolaAndACarriedOneGoByItsVelocity) {
   for (const double carried : {0.0, 1.0}) {
     World world = ball_over_lane(1.0);
     Workspace w;
-    depart(world, w.flight);
+    depart(world, w);
     w.solved.carried.assign(2, carried);
     w.solved.slowed.assign(2, Vec3::Zero());
     world.states[1].v_WB = Vec3(2.0, 0.0, -kG * kStep);
     const Vec3 start = world.states[1].X_WB.p;
-    move(world, w.flight, w.solved);
+    move(world, w.flight, w.solved, w);
     const Vec3 moved = world.states[1].X_WB.p - start;
     EXPECT_NEAR(moved.x(), 2.0 * kStep, 1e-12);
     EXPECT_NEAR(moved.z(), -(carried > 0.0 ? 1.0 : 0.5) * kG * kStep * kStep, 1e-12);
@@ -184,7 +195,7 @@ TEST(Remember, LeavesTheNextStepWhatATouchCarried) {
   Lying at;
   Solved& solved = sustain(at.world, at.touches, at.flight, at.w);
   const double carried = solved.loads[0].impulse;
-  remember(at.world, at.touches, at.flight, solved);
+  remember(at.world, at.touches, at.flight, solved, at.w);
   const Memory& memory = at.world.memory;
   ASSERT_EQ(memory.touches.size(), 1u);
   EXPECT_TRUE(memory.touches[0].met);

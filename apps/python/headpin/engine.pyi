@@ -89,6 +89,7 @@ class World:
         warm: bool = False,
         sleep: bool = True,
         keep_ledger: bool = False,
+        threads: int = 1,
     ) -> None: ...
     def add(
         self,
