@@ -47,8 +47,8 @@ struct Slot {
 
 const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_W,
                                                 std::span<const std::uint8_t> moving, double margin,
-                                                std::span<const Box> limits_W, detail::Crew* crew) {
-  detail::Crew alone;
+                                                std::span<const Box> limits_W, Crew* crew) {
+  Crew alone;
   if (!crew) crew = &alone;
   pairs_.clear();
   found_.clear();
@@ -73,7 +73,7 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
 }
 
 /// @return  sum of the boxes' largest extents [m]
-double BroadPhase::make_boxes(const Bodies& bodies, detail::Crew& crew) {
+double BroadPhase::make_boxes(const Bodies& bodies, Crew& crew) {
   boxes_.resize(bodies.bounds_W.size());
   const Vec3 slack = Vec3::Constant(0.5 * bodies.margin);
   crew.share_range(boxes_.size(), [&](std::size_t begin, std::size_t end) {
@@ -104,7 +104,7 @@ void BroadPhase::compare_all(const Bodies& bodies) {
 /// Gives each body the cells that it covers, and chooses the size of the grid.
 ///
 /// @param cell  edge of a cell [m]
-void BroadPhase::make_grid(double cell, detail::Crew& crew) {
+void BroadPhase::make_grid(double cell, Crew& crew) {
   cells_per_metre_ = 1.0 / cell;
   const auto n = static_cast<std::uint32_t>(boxes_.size());
   cells_.resize(n);
@@ -195,9 +195,9 @@ void BroadPhase::compare_in_slot(const Bodies& bodies, std::uint32_t k,
   }
 }
 
-void BroadPhase::compare_in_slots(const Bodies& bodies, detail::Crew& crew) {
+void BroadPhase::compare_in_slots(const Bodies& bodies, Crew& crew) {
   const std::size_t slots = slots_.size() - 1;
-  const std::size_t parts = crew.threads() < 2 ? 1 : 1 + entries_.size() / detail::Crew::kRange;
+  const std::size_t parts = crew.threads() < 2 ? 1 : 1 + entries_.size() / Crew::kRange;
   if (found_in_.size() < parts) found_in_.resize(parts);
   crew.share(parts, [&](std::size_t part, std::size_t) {
     std::vector<Pair>& found = found_in_[part];

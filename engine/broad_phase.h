@@ -38,7 +38,7 @@ class BroadPhase {
   const std::vector<Pair>& find_pairs(std::span<const Capsule> bounds_W,
                                       std::span<const std::uint8_t> moving = {},
                                       double margin = 0.0, std::span<const Box> limits_W = {},
-                                      detail::Crew* crew = nullptr);
+                                      Crew* crew = nullptr);
 
   /// Bodies of the last call whose boxes at that time overlap the box around a capsule.
   ///
@@ -65,11 +65,11 @@ class BroadPhase {
     }
   };
   // The steps of find_pairs().
-  double make_boxes(const Bodies& bodies, detail::Crew& crew);
+  double make_boxes(const Bodies& bodies, Crew& crew);
   void compare_all(const Bodies& bodies);
-  void make_grid(double cell, detail::Crew& crew);
+  void make_grid(double cell, Crew& crew);
   void sort_into_slots();
-  void compare_in_slots(const Bodies& bodies, detail::Crew& crew);
+  void compare_in_slots(const Bodies& bodies, Crew& crew);
   void compare_in_slot(const Bodies& bodies, std::uint32_t slot, std::vector<Pair>& found) const;
   void compare_large(const Bodies& bodies);
   void sort_pairs();

@@ -5,6 +5,7 @@
 // The page's engine is built without threads, and its library has none.
 #ifdef __cpp_lib_jthread
 #include <atomic>
+#include <cfenv>
 #include <exception>
 #include <limits>
 #include <mutex>
@@ -12,9 +13,11 @@
 #include <system_error>
 #include <thread>
 #include <vector>
+
+#include <unistd.h>
 #endif
 
-namespace headpin::engine::detail {
+namespace headpin::engine {
 
 #ifdef __cpp_lib_jthread
 
@@ -66,6 +69,7 @@ struct Crew::Threads {
     for (;; ++seen) {
       other_than(calls, seen);
       if (ends) return;
+      std::fesetenv(&environment);
       if (who < members) work(who);
       if (busy.fetch_sub(1) == 1) busy.notify_one();
     }
@@ -89,22 +93,32 @@ struct Crew::Threads {
   }
 
   std::vector<std::thread> all;  ///< who - 1
+  const pid_t process = getpid();
   bool refused = false;
   bool ends = false;                     ///< read after the next call
   std::atomic<std::uint32_t> calls = 0;  ///< tasks so far
   std::atomic<std::size_t> busy = 0;     ///< threads that have not ended the task
   std::atomic<std::size_t> next = 0;     ///< part that nobody has taken
   Task task;
-  std::size_t members = 0;  ///< threads that work on the task, the caller included
+  std::fenv_t environment{};  ///< of the caller
+  std::size_t members = 0;    ///< threads that work on the task, the caller included
   std::mutex failing;
   std::size_t failed = std::numeric_limits<std::size_t>::max();
   std::exception_ptr failure;
 };
 
+/// A child of fork() has none of the threads.
+void Crew::forget_if_forked() {
+  if (others_ && others_->process != getpid()) static_cast<void>(others_.release());
+}
+
 void Crew::run(const Task& task) {
+  forget_if_forked();
+  if (others_ && others_->all.size() >= threads_) others_ = nullptr;
   if (!others_) others_ = std::make_unique<Threads>();
   Threads& t = *others_;
   t.make(threads_ - 1);
+  std::fegetenv(&t.environment);
   t.task = task;
   t.members = threads_;
   t.failed = std::numeric_limits<std::size_t>::max();
@@ -122,6 +136,8 @@ void Crew::run(const Task& task) {
 
 struct Crew::Threads {};
 
+void Crew::forget_if_forked() {}
+
 void Crew::run(const Task& task) {
   for (std::size_t part = 0; part < task.parts; ++part) task.call(task.work, part, 0);
 }
@@ -130,6 +146,8 @@ void Crew::run(const Task& task) {
 
 Crew::Crew() = default;
 Crew::Crew(const Crew&) : Crew() {}
-Crew::~Crew() = default;
+Crew::~Crew() {
+  forget_if_forked();
+}
 
-}  // namespace headpin::engine::detail
+}  // namespace headpin::engine

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <type_traits>
 
-/// Threads that share the work of a step. Private to the engine.
-namespace headpin::engine::detail {
+/// Threads that share the work of a step. A part of `Workspace`; users need nothing inside it.
+namespace headpin::engine {
 
 /// Threads that wait between their tasks. They are made when the first work is shared.
 class Crew {
@@ -15,7 +16,8 @@ class Crew {
   Crew& operator=(const Crew&) { return *this; }
   ~Crew();
 
-  /// From now on work is shared by so many threads at most, this one included.
+  /// From now on work is shared by so many threads at most, this one included. They compute with the
+  /// floating-point environment of the thread that shares its work.
   void use(int threads) { threads_ = static_cast<std::size_t>(threads); }
   std::size_t threads() const { return threads_; }
 
@@ -56,9 +58,10 @@ class Crew {
   struct Threads;
 
   void run(const Task& task);
+  void forget_if_forked();
 
   std::size_t threads_ = 1;
   std::unique_ptr<Threads> others_;
 };
 
-}  // namespace headpin::engine::detail
+}  // namespace headpin::engine

@@ -146,7 +146,7 @@ std::size_t touch_in_memory(const World& world, const Candidate& c) {
   return static_cast<std::size_t>(place - past.begin());
 }
 
-/// Finds the touches of the candidates, and the sleeping bodies that they wake.
+/// Finds the touches of the candidates.
 void test_candidates(const World& world, const Flight& flight, const Range& range,
                      Touches& touches) {
   std::size_t last = touch_in_memory(world, touches.pairs->candidates[range.first]);
@@ -155,17 +155,15 @@ void test_candidates(const World& world, const Flight& flight, const Range& rang
     std::size_t count = add_touches(world, flight, k, 0.0, touches);
     count += look_ahead(world, flight, k, 0.0, had, touches);
     if (count == 0) continue;
-    for (std::size_t n = had; n < had + count; ++n) {
-      const Touch touch = touches.all[n];
-      for (const BodyId sleeper : {touch.a, touch.b}) {
-        if (world.asleep[sleeper] && (is_being_left(world, flight, touches, touch, sleeper) ||
-                                      really_touch(world, flight, touches, touch))) {
-          touches.woken.push_back(sleeper);
-        }
-      }
+    const Touch& first = touches.all[had];
+    const bool sleeps = world.asleep[first.a] || world.asleep[first.b];
+    if (sleeps) {
+      touches.sleeping.insert(touches.sleeping.end(),
+                              touches.all.begin() + static_cast<std::ptrdiff_t>(had),
+                              touches.all.end());
     }
-    if (!is_mover(world, touches.all[had].a)) {
-      touches.points.resize(points);
+    if (!is_mover(world, first.a)) {
+      if (!sleeps) touches.points.resize(points);
       touches.all.resize(had);
       continue;
     }
@@ -183,7 +181,7 @@ void test_part(const World& world, Workspace& w, std::size_t k) {
   touches.pairs = &w.pairs;
   touches.all.clear();
   touches.points.clear();
-  touches.woken.clear();
+  touches.sleeping.clear();
   const Range range = range_of(w, k);
   if (range.first == range.second) return;
   recall_normals(world, range, w.pairs);
@@ -225,12 +223,21 @@ void join(Workspace& w) {
   whole.early = whole.all.size();
 }
 
-/// @return  whether a body woke up
-bool wake_those_of(World& world, const Touches& touches) {
-  for (const BodyId i : touches.woken) {
-    if (world.asleep[i]) wake(world, i);
+/// Wakes the sleeping bodies that are really touched, or whose support moves.
+///
+/// @return  whether there were any: then all must be found again
+bool wake_sleepers(World& world, const Flight& flight, Touches& touches) {
+  bool woken = false;
+  for (const Touch& touch : touches.sleeping) {
+    for (const BodyId i : {touch.a, touch.b}) {
+      if (world.asleep[i] && (is_being_left(world, flight, touches, touch, i) ||
+                              really_touch(world, flight, touches, touch))) {
+        wake(world, i);
+        woken = true;
+      }
+    }
   }
-  return !touches.woken.empty();
+  return woken;
 }
 
 }  // namespace
@@ -243,7 +250,7 @@ Touches& find_touches(World& world, Workspace& w) {
     if (w.parts > w.touch_parts.size()) w.touch_parts.resize(w.parts);
     w.crew.share(w.parts, [&](std::size_t k, std::size_t) { test_part(world, w, k); });
     woken = false;
-    for (std::size_t k = 0; k < w.parts; ++k) woken |= wake_those_of(world, w.part_of(k));
+    for (std::size_t k = 0; k < w.parts; ++k) woken |= wake_sleepers(world, w.flight, w.part_of(k));
   }
   w.crew.share(w.parts, [&](std::size_t k, std::size_t) {
     note_next_impacts(world, w.flight, w.part_of(k));

@@ -33,8 +33,9 @@ struct Met {
 /// Touches and impacts; found again while an impact wakes a body.
 Met meet(World& world, Workspace& w) {
   w.touches.queries = {};
-  w.crew.use(world.parameters.threads);
-  w.each_thread.resize(static_cast<std::size_t>(world.parameters.threads));
+  w.crew.use(std::clamp(world.parameters.threads, 1, kMostThreads));
+  w.each_thread.resize(w.crew.threads());
+  for (detail::Touches& part : w.touch_parts) part.queries = {};
   for (detail::ThreadBuffers& t : w.each_thread) t.at_end.queries = {};
   for (;;) {
     detail::Touches& touches = detail::find_touches(world, w);

@@ -74,10 +74,16 @@ void stop_swing(World& world, const Touches& touches, const Flight& flight, Solv
 
 void stop_swings(World& world, const Touches& touches, const Flight& flight, Solved& solved,
                  Workspace& w) {
+  const auto stop = [&](std::uint32_t touch, std::size_t who) {
+    stop_swing(world, touches, flight, solved, touch, w.each_thread[who].at_end, w.by_driven);
+  };
+  if (w.island_parts.size() == 1) {  // in the order in which the ledger has always had them
+    for (std::uint32_t k = 0; k < touches.all.size(); ++k) stop(k, 0);
+    return;
+  }
   w.crew.share(w.island_parts.size(), [&](std::size_t k, std::size_t who) {
-    for (const std::uint32_t touch : touches_of(solved.islands, w.island_parts[k])) {
-      stop_swing(world, touches, flight, solved, touch, w.each_thread[who].at_end, w.by_driven);
-    }
+    for (const std::uint32_t touch : touches_of(solved.islands, w.island_parts[k]))
+      stop(touch, who);
   });
 }
 

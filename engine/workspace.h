@@ -55,9 +55,9 @@ struct Touches {
   Pairs* pairs = nullptr;
   std::vector<Touch> all;
   std::vector<ContactPoint> points;
-  std::size_t early = 0;      ///< number from the start of the step, sorted
-  std::vector<double> due;    ///< of these, the time of the next possible impact; infinity: never
-  std::vector<BodyId> woken;  ///< sleeping bodies that a touch wakes
+  std::size_t early = 0;        ///< number from the start of the step, sorted
+  std::vector<double> due;      ///< of these, the time of the next possible impact; infinity: never
+  std::vector<Touch> sleeping;  ///< those of sleeping bodies, which they may wake
   QueryCounts queries;
 };
 
@@ -292,7 +292,7 @@ struct Workspace {
   std::vector<detail::Booked> booked;  ///< of the ledger, by body
   Balance by_impacts, by_driven;  ///< gains by the impacts of a step; by driven bodies in a stage
   BroadPhase broad_phase;
-  detail::Crew crew;
+  Crew crew;
   std::size_t parts = 1;                     ///< in which touches are found
   std::vector<detail::Touches> touch_parts;  ///< before they are joined, if there are several
   std::vector<detail::IslandPart> island_parts;

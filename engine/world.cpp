@@ -45,7 +45,7 @@ void check_parameters(const Parameters& p) {
   expect_between(p.sleep_speed, 0.0, 10.0, "sleep_speed [m/s]");
   expect_between(p.sleep_spin, 0.0, 100.0, "sleep_spin [rad/s]");
   expect_between(p.sleep_after, 0.0, 1e4, "sleep_after [s]");
-  expect_between(p.threads, 1, 256, "threads");
+  expect_between(p.threads, 1, kMostThreads, "threads");
 }
 
 bool is_bounded(const Body& body) {

@@ -30,6 +30,8 @@
 /// finds the velocities at the end of the step. At last, every body moves to the end of the step.
 namespace headpin::engine {
 
+inline constexpr int kMostThreads = 256;  ///< that share a step
+
 struct Parameters {
   int rate_hz = 240;                    ///< steps a second
   Vec3 gravity_W{0.0, 0.0, -9.81};      ///< [m/s^2]
@@ -51,7 +53,9 @@ struct Parameters {
   double sleep_after = 0.25;  ///< [s]
   int rules = 11;             ///< 1 to 10 are those of older trials; what they lack is in rules.h
   bool keep_ledger = false;   ///< `World::ledger`; costs about a tenth of a step
-  int threads = 1;            ///< that share a step of many bodies; the bits are the same
+  int threads = 1;            ///< that share a step of many bodies, 1 to kMostThreads; the bits are
+                              ///< the same. They belong to the workspace: step() without one makes
+                              ///< them in each step
 };
 
 /// Statistics of one step, or sums over many steps (largest values: the largest of all).

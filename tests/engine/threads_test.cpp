@@ -1,8 +1,11 @@
+#include <cfenv>
 #include <functional>
 #include <stdexcept>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "engine/crew.h"
 #include "engine/save.h"
@@ -25,11 +28,12 @@ void expect_same(const World& a, const World& b) {
     ASSERT_EQ(p.p_W, q.p_W);
   }
   const Statistics &s = a.statistics, &t = b.statistics;
-  ASSERT_EQ(
-      std::tie(s.pairs, s.contacts, s.queries.queries, s.queries.iterations, s.impacts, s.islands,
-               s.solver_iterations, s.unsolved, s.residual, s.deepest_overlap, s.awake),
-      std::tie(t.pairs, t.contacts, t.queries.queries, t.queries.iterations, t.impacts, t.islands,
-               t.solver_iterations, t.unsolved, t.residual, t.deepest_overlap, t.awake));
+  ASSERT_EQ(std::tie(s.pairs, s.contacts, s.queries.queries, s.queries.iterations, s.queries.capped,
+                     s.pulls, s.unfinished_impacts, s.impacts, s.islands, s.solver_iterations,
+                     s.unsolved, s.residual, s.deepest_overlap, s.awake),
+            std::tie(t.pairs, t.contacts, t.queries.queries, t.queries.iterations, t.queries.capped,
+                     t.pulls, t.unfinished_impacts, t.impacts, t.islands, t.solver_iterations,
+                     t.unsolved, t.residual, t.deepest_overlap, t.awake));
 }
 
 struct Crowd {
@@ -104,7 +108,7 @@ TEST(AWorld, RefusesNoThreadsAndThousands) {
 }
 
 TEST(ACrew, CallsEachPartOnceAndThrowsTheExceptionOfTheFirst) {
-  detail::Crew crew;
+  Crew crew;
   crew.use(3);
   for (int round = 0; round < 200; ++round) {
     std::vector<int> calls(50);
@@ -128,9 +132,9 @@ TEST(ACrew, CallsEachPartOnceAndThrowsTheExceptionOfTheFirst) {
 
 TEST(ACrew, SharesARangeWithoutGapOrOverlap) {
   for (const int threads : {1, 4}) {
-    detail::Crew crew;
+    Crew crew;
     crew.use(threads);
-    std::vector<int> calls(3 * detail::Crew::kRange + 1);
+    std::vector<int> calls(3 * Crew::kRange + 1);
     crew.share_range(calls.size(), [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) ++calls[k];
     });
@@ -148,6 +152,52 @@ TEST(ACrew, CopiedHasThreadsOfItsOwn) {
   step(other, copy);
   EXPECT_EQ(state_hash(world), state_hash(other));
 }
+
+TEST(AWorkspace, ServesWorldsWithOtherNumbersOfThreadsInTurn) {
+  Workspace w, alone;
+  World world = make({"", [](RackOptions&) {}}, 1), same = world;
+  for (const int threads : {8, 2, 1, 3}) {
+    world.parameters.threads = threads;
+    step(world, w);
+    step(same, alone);
+    expect_same(same, world);
+  }
+}
+
+// Threads keep the rounding of the time when they were made, unless they are told.
+TEST(AWorkspace, HasThreadsThatRoundAsItsCallerDoes) {
+  Workspace w, alone;
+  World world = make({"", [](RackOptions&) {}}, 3), same = make({"", [](RackOptions&) {}}, 1);
+  step(world, w);
+  step(same, alone);
+  const std::uint64_t nearest = state_hash(same);
+  std::fesetround(FE_UPWARD);
+  for (int k = 0; k < 5; ++k) {
+    step(world, w);
+    step(same, alone);
+  }
+  std::fesetround(FE_TONEAREST);
+  EXPECT_EQ(state_hash(world), state_hash(same));
+  EXPECT_NE(state_hash(same), nearest);
+}
+
+#ifndef __SANITIZE_THREAD__
+TEST(AWorkspace, StepsAndEndsInAChildOfFork) {
+  Workspace w;
+  World world = make({"", [](RackOptions&) {}}, 3);
+  step(world, w);
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(120);  // ends it where it waits for threads that it has not
+    step(world, w);
+    w = {};
+    _exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+}
+#endif
 
 }  // namespace
 }  // namespace headpin::engine
