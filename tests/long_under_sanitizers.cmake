@@ -18,6 +18,7 @@ set(HEADPIN_LONG_UNDER_SANITIZERS
   Cameras.SeeEachBodyAtThePixelsThatHaveItsId
   CapsuleDistance.IsThatOfTheNearestSamples
   Clearance.IsTheRadiusOfABallThatTheShapeHolds
+  CommandLine.ACutOffTrialReplaysUpToTheCut
   CommandLine.AnotherConditionIsAnotherGameAndVerifyNamesTickAndBody
   CommandLine.EveryCommandHelpsWithAnExample
   CommandLine.HelpNamesThePageOfEachTopic
@@ -35,6 +36,7 @@ set(HEADPIN_LONG_UNDER_SANITIZERS
   Endings.AnOutputThatIsTakenAwayWhileItIsMadeIsAFailureThatSaysSo
   Endings.EveryErrorBeginsWithItsCommandAndIsAnObjectToo
   Endings.NumbersThatAreNoneAreRefused
+  Endings.StoppedFramesAndVideoLeaveNothing
   Endings.WhatCannotBeSaidIsAFailureThatSaysSo
   Experiment.ALiveSessionIsRecordedUnderTheParticipantsName
   Experiment.ARecordingThatHasNotBegunBlocksNothing
@@ -93,6 +95,7 @@ set(HEADPIN_LONG_UNDER_SANITIZERS
   LiveFastrak.WhatDrawsMayCrashAndTheSessionGoesOn
   LiveFastrak.WhereTicksCannotGoFirstDrawingGivesWay
   LiveFastrak.WithoutANetworkALogFeedsASessionOrAUnit
+  LogTest.ATimeThatThoseAroundItDoNotShareIsPassedOver
   Looks.HaveARoomWithoutHoles
   Looks.ShowASkittleAt18MetresAlikeToBothEyes
   MassProperties.AgreeWithCountedPoints
@@ -102,7 +105,11 @@ set(HEADPIN_LONG_UNDER_SANITIZERS
   Mcap.EventsThatNoSimulationMakesAreThereToo
   Mcap.EveryBodyIsWhereTheTableOfStatesHasItToTheLastBit
   Mcap.PicturesSayTheShapeOfTheirPixelsAsTheFilesOfFramesDo
+  Mcap.SkittlesHaveTheShapeOfTheVersionThatIsPlayed
   MotionAtTheTrigger.IsTheTrueOneOfEverySwing
+  OfACrowd/AStep.HasTheSameBitsWithAnyNumberOfThreads/Awake
+  OfACrowd/AStep.HasTheSameBitsWithAnyNumberOfThreads/UnderTheLawOfToday
+  OfACrowd/AStep.HasTheSameBitsWithAnyNumberOfThreads/WithThePapersDetection
   Outputs.FramesForcedKeepsWhatIsNotItsOwn
   Outputs.OnAFullDiskTheReasonAndTheFileAreSaid
   PaperDetection.PlaysTheSameGamesAtEveryCapAndAddsNoEnergy
@@ -124,6 +131,7 @@ set(HEADPIN_LONG_UNDER_SANITIZERS
   Picture.OfSmallThingsFarApartIsDrawnAsFineAsOpenGlCan
   Pins.ArePocketedAtBoardSeventeenAndAHalf
   Play.AllItsFramesAreDrawnAsShownAndThoseThatCannotBeAreTold
+  PlotFiles.APdfIsOnePageOfTheSamePicture
   PlotFiles.HaveNoDateAndTheSameBytesTwice
   PlotFiles.LabelsOfASessionDoNotLieOverEachOther
   PlotFiles.WithoutLibrsvgOnlySvgIsDrawnAndThePackageIsNamed
@@ -148,6 +156,7 @@ set(HEADPIN_LONG_UNDER_SANITIZERS
   SavedWorld.GoesOnToTheBitFromAnyOf500TicksOfACrowd
   SavedWorld.GoesOnToTheBitFromAnyOf500TicksOfASession
   ScenarioCommands.ADrawingOfAVeryTallOrWideFieldOfViewIsOfASizeThatCanBeDrawn
+  ScenarioCommands.ADrawingShowsTheRoomFromFourSides
   ScenarioCommands.AGameOfTwoVersionsIsScoredReplayedAndVerified
   ScenarioCommands.ATrialReplaysWithoutItsMeshesAndIsSeenWithThem
   ScenarioCommands.ATrialWithoutItsWholeScenarioIsRefusedByAll
@@ -159,6 +168,7 @@ set(HEADPIN_LONG_UNDER_SANITIZERS
   SoundOfTrials.IsTheSecondStreamOfAVideoAndTheStrikeIsInTime
   SoundOfTrials.OfFramesAsShownIsAsLongAsTheVideo
   StudyAnswers.ASessionThatIsNotWhatThePlanHasDoesNotCount
+  StudyAnswers.AreFittedByRAsByAnotherProgram
   StudyAnswers.AreScoredBesideWhatTheSessionsCameTo
   StudyAnswers.PowerIsATableOfSharesAndTheSameForTheSameSeed
   StudyAnswers.PowerIsThatOfTheLikelihoodRatiosOwnDistribution
@@ -167,15 +177,18 @@ set(HEADPIN_LONG_UNDER_SANITIZERS
   StudyExport.AReportOfSomeLeavesOutTheAnalysisOfOthers
   StudyExport.AnUnfinishedExportGoesOnOnlyWithTheSameChoice
   StudyExport.IsReadBackToTheSameSamples
+  StudyExport.IsReadBackWithoutTheFilesOfOtherTasksAndTrackingSystems
   StudyExport.TablesFitTheirChannelsAndPeopleTheirFolders
   StudyExport.TheReportIsOnePageThatSaysWhatIsVirtual
   StudyExport.TheReportWritesThePagesOfTrialsThatAreMissing
   StudyUnderStress.KilledAnywhereItEndsWithTheSameBytes
   StudyUnderStress.OnAFullDiskOneErrorIsSaidAndNothingIsHalf
   StudyUnderStress.RDoesNotOutliveTheCommand
+  SweepCommands.AMergeDoesNotReplaceThePartsOfItsSweep
   SweepCommands.ARowIsTheReplayUnderItsCondition
   SweepCommands.OnAFullDiskOneErrorIsSaidAndNoPieceIsHalf
   SweepCommands.StoppedOrKilledAnywhereItEndsWithTheSameBytes
+  SweepCommands.TheReportIsAPageOfMaps
   SweepCommands.TheScriptsForSlurmRunEveryPart
   SweepCommands.TheTableDoesNotDependOnWhoSimulatedWhichRow
   SweepCommands.WhatCannotBeIsRefusedBeforeAnythingIsMade
