@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/inlining.h"
 #include "engine/next_impact.h"
 #include "engine/stages.h"
 
@@ -13,29 +12,20 @@ constexpr double kWakeDepth = 1e-3;  // overlap that wakes a body at any speed [
 
 using Range = std::pair<std::size_t, std::size_t>;  ///< of candidates
 
-/// The first candidate of the last step that may be this one or a later one.
-std::vector<Candidate>::const_iterator place_in_memory(const World& world, const Candidate& c) {
-  const std::vector<Candidate>& all = world.memory.candidates;
-  return std::lower_bound(all.begin(), all.end(), c.key,
-                          [](const Candidate& d, std::uint64_t key) { return d.key < key; });
-}
-
-/// Adds a candidate, with room for its normals.
-void add(const World& world, std::uint64_t key, BodyId a, BodyId b, Pairs& pairs) {
-  const auto count =
-      static_cast<std::uint32_t>(kept_normals(*world.bodies[a].shape, *world.bodies[b].shape));
-  std::uint32_t first = 0;
-  if (!pairs.candidates.empty()) {
-    const Candidate& last = pairs.candidates.back();
-    first = last.first_normal + last.normals;
-  }
-  pairs.candidates.push_back({key, a, b, first, count});
+/// Index of the first candidate or touch of the last step whose key is this one or a later one.
+template <typename T>
+std::size_t place_of(std::uint64_t key, const std::vector<T>& sorted) {
+  const auto place =
+      std::lower_bound(sorted.begin(), sorted.end(), key,
+                       [](const T& t, std::uint64_t value) { return t.key < value; });
+  return static_cast<std::size_t>(place - sorted.begin());
 }
 
 /// Gives candidates the normals that the same pairs had after the last step; to others, new ones.
 void recall_normals(const World& world, const Range& range, Pairs& pairs) {
   const Memory& m = world.memory;
-  auto last = place_in_memory(world, pairs.candidates[range.first]);
+  auto last = m.candidates.begin() + static_cast<std::ptrdiff_t>(
+                                         place_of(pairs.candidates[range.first].key, m.candidates));
   for (std::size_t k = range.first; k < range.second; ++k) {
     const Candidate& c = pairs.candidates[k];
     const std::span<KeptNormal> normals = normals_of(pairs, c);
@@ -101,7 +91,7 @@ void find_pairs(World& world, const Flight& flight, Workspace& w) {
     for (std::size_t n = 0; n < roll.unbounded.size(); ++n) {
       if (is_above(roll.bounds_W[k], roll.planes_W[n])) continue;
       const BodyId wall = roll.unbounded[n];
-      add(world, key_of(false, i, wall), i, wall, pairs);
+      add_candidate(world, key_of(false, i, wall), i, wall, pairs);
     }
   }
   const std::size_t walls = pairs.candidates.size();
@@ -109,13 +99,11 @@ void find_pairs(World& world, const Flight& flight, Workspace& w) {
        w.broad_phase.find_pairs(roll.bounds_W, roll.moving, kMargin, roll.limits_W, &w.crew)) {
     const BodyId a = roll.bounded[pair.first], b = roll.bounded[pair.second];
     if (world.bodies[a].kind != Kind::free && world.bodies[b].kind != Kind::free) continue;
-    add(world, key_of(true, a, b), a, b, pairs);
+    add_candidate(world, key_of(true, a, b), a, b, pairs);
   }
   pairs.early = pairs.candidates.size();
   world.statistics.pairs = static_cast<std::int64_t>(pairs.early - walls);
-  if (pairs.early == 0) return pairs.normals.clear();
-  const Candidate& last = pairs.candidates.back();
-  pairs.normals.resize(last.first_normal + last.normals);
+  pairs.normals.resize(end_of_normals(pairs));
 }
 
 /// Takes over the data of the same touch in the last step, if there was one.
@@ -137,19 +125,10 @@ void recall(const World& world, Touch& touch, std::size_t& last) {
   }
 }
 
-/// The first touch of the last step that may be of this candidate or a later one.
-std::size_t touch_in_memory(const World& world, const Candidate& c) {
-  const std::vector<PastTouch>& past = world.memory.touches;
-  const auto place =
-      std::lower_bound(past.begin(), past.end(), c.key,
-                       [](const PastTouch& t, std::uint64_t key) { return t.key < key; });
-  return static_cast<std::size_t>(place - past.begin());
-}
-
 /// Finds the touches of the candidates.
 void test_candidates(const World& world, const Flight& flight, const Range& range,
                      Touches& touches) {
-  std::size_t last = touch_in_memory(world, touches.pairs->candidates[range.first]);
+  std::size_t last = place_of(touches.pairs->candidates[range.first].key, world.memory.touches);
   for (auto k = static_cast<std::uint32_t>(range.first); k < range.second; ++k) {
     const std::size_t had = touches.all.size(), points = touches.points.size();
     std::size_t count = add_touches(world, flight, k, 0.0, touches);

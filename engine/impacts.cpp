@@ -282,7 +282,9 @@ class Queue {
     if (place != early && place->key == key) {
       return static_cast<std::uint32_t>(place - first);
     }
-    return add_candidate(world_, key, a, b, *touches_.pairs);
+    const std::uint32_t added = add_candidate(world_, key, a, b, *touches_.pairs);
+    touches_.pairs->normals.resize(end_of_normals(*touches_.pairs));  // without a warm start
+    return added;
   }
 
   // Each body's touches: a list from the newest to the oldest.

@@ -82,9 +82,7 @@ void contacts_of(const World& world, const Candidate& c, std::span<KeptNormal> n
 std::uint32_t add_candidate(const World& world, std::uint64_t key, BodyId a, BodyId b,
                             Pairs& pairs) {
   const std::size_t count = kept_normals(*world.bodies[a].shape, *world.bodies[b].shape);
-  pairs.candidates.push_back({key, a, b, static_cast<std::uint32_t>(pairs.normals.size()),
-                              static_cast<std::uint32_t>(count)});
-  pairs.normals.resize(pairs.normals.size() + count);
+  pairs.candidates.push_back({key, a, b, end_of_normals(pairs), static_cast<std::uint32_t>(count)});
   return static_cast<std::uint32_t>(pairs.candidates.size() - 1);
 }
 

@@ -55,7 +55,13 @@ Sliding sliding_of(const World& world, const Touch& touch);
 /// Whether the touch carried anything in the last step.
 bool was_loaded(const Memory& memory, const Touch& touch);
 
-/// Appends a candidate that the last step did not have, so it has no normals for a warm start.
+/// Number of normals that the candidates need.
+inline std::uint32_t end_of_normals(const Pairs& pairs) {
+  if (pairs.candidates.empty()) return 0;
+  return pairs.candidates.back().first_normal + pairs.candidates.back().normals;
+}
+
+/// Appends a candidate; its normals have a place, but are not there yet.
 std::uint32_t add_candidate(const World& world, std::uint64_t key, BodyId a, BodyId b,
                             Pairs& pairs);
 
