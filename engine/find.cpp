@@ -121,7 +121,7 @@ void recall(const World& world, Touch& touch, std::size_t& last) {
   if (!touch.fresh && m.touches[last].friction == touch.pair.friction) {
     touch.sliding = m.touches[last].sliding;
   } else {
-    touch.sliding = sliding_of(world, touch);
+    touch.sliding = sliding_of(world, touch.pair.friction);
   }
 }
 

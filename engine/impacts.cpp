@@ -268,7 +268,7 @@ class Queue {
     touches_.all.erase(std::remove_if(first, touches_.all.end(), is_known), touches_.all.end());
     for (std::size_t k = had; k < touches_.all.size(); ++k) {
       flight_.touches.emplace_back();
-      touches_.all[k].sliding = sliding_of(world_, touches_.all[k]);
+      touches_.all[k].sliding = sliding_of(world_, touches_.all[k].pair.friction);
       list(static_cast<std::uint32_t>(k));
     }
     for (std::size_t k = had; k < flight_.touches.size(); ++k) note(static_cast<std::uint32_t>(k));

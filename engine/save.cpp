@@ -9,6 +9,7 @@
 #include "engine/bodies.h"
 #include "engine/rules.h"
 #include "engine/saved_bytes.h"
+#include "engine/touching.h"
 
 namespace headpin::engine {
 namespace {
@@ -194,8 +195,7 @@ void get_touches(SavedReader& r, const World& world, Memory& memory) {
     const std::uint64_t end = std::uint64_t{touch.first_load} + touch.loads;
     if (end > memory.loads.size()) refuse("a touch has loads that are not there");
     if (!(touch.friction >= 0.0 && touch.friction <= 1.0)) refuse("friction is not in 0 to 1");
-    touch.sliding =
-        world.response->sliding(touch.friction, step_seconds(world), world.parameters.friction_tau);
+    touch.sliding = detail::sliding_of(world, touch.friction);
     last = &touch;
   }
 }

@@ -86,9 +86,8 @@ std::uint32_t add_candidate(const World& world, std::uint64_t key, BodyId a, Bod
   return static_cast<std::uint32_t>(pairs.candidates.size() - 1);
 }
 
-Sliding sliding_of(const World& world, const Touch& touch) {
-  return world.response->sliding(touch.pair.friction, step_seconds(world),
-                                 world.parameters.friction_tau);
+Sliding sliding_of(const World& world, double friction) {
+  return world.response->sliding(friction, step_seconds(world), world.parameters.friction_tau);
 }
 
 bool was_loaded(const Memory& memory, const Touch& touch) {
@@ -217,7 +216,7 @@ void look_again(const World& world, const Flight& flight, Touch& touch, double t
   const Coefficients pair = coefficients_of(world, touches, touch);
   if (pair.friction == touch.pair.friction) return;
   touch.pair = pair;
-  touch.sliding = sliding_of(world, touch);
+  touch.sliding = sliding_of(world, touch.pair.friction);
 }
 
 }  // namespace headpin::engine::detail

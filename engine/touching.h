@@ -49,8 +49,8 @@ std::size_t add_touches(const World& world, const Flight& flight, std::uint32_t 
 /// appends them.
 void look_again(const World& world, const Flight& flight, Touch& touch, double t, Touches& touches);
 
-/// How a touch continues to slide under the world's law of response.
-Sliding sliding_of(const World& world, const Touch& touch);
+/// How a touch of this friction continues to slide under the world's law of response.
+Sliding sliding_of(const World& world, double friction);
 
 /// Whether the touch carried anything in the last step.
 bool was_loaded(const Memory& memory, const Touch& touch);

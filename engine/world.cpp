@@ -10,6 +10,7 @@
 #include "base/hash.h"
 #include "engine/bodies.h"
 #include "engine/rules.h"
+#include "engine/touching.h"
 
 namespace headpin::engine {
 namespace {
@@ -41,7 +42,7 @@ void check_parameters(const Parameters& p) {
   expect_between(p.solver_residual, 0.0, 1.0, "solver_residual [m/s]");
   expect_between(p.slop, 0.0, 0.1, "slop [m]");
   expect_between(p.push, 0.0, 1.0, "push");
-  expect_between(p.rules, 1, 11, "rules");
+  expect_between(p.rules, 1, 12, "rules");
   expect_between(p.sleep_speed, 0.0, 10.0, "sleep_speed [m/s]");
   expect_between(p.sleep_spin, 0.0, 100.0, "sleep_spin [rad/s]");
   expect_between(p.sleep_after, 0.0, 1e4, "sleep_after [s]");
@@ -273,6 +274,8 @@ void put_to_sleep(World& world, BodyId body) {
 void set_response(World& world, const Response& response) {
   world.response = &response;
   world.parameters.response = response.name;
+  for (PastTouch& touch : world.memory.touches)
+    touch.sliding = detail::sliding_of(world, touch.friction);
 }
 
 State outside_fixed(const World& world, BodyId body, const State& wanted) {

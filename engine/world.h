@@ -51,7 +51,7 @@ struct Parameters {
   double sleep_speed = 0.01;  ///< [m/s]
   double sleep_spin = 0.03;   ///< [rad/s]
   double sleep_after = 0.25;  ///< [s]
-  int rules = 11;             ///< 1 to 10 are those of older trials; what they lack is in rules.h
+  int rules = 12;             ///< 1 to 11 are those of older trials; what they lack is in rules.h
   bool keep_ledger = false;   ///< `World::ledger`; costs about a tenth of a step
   int threads = 1;            ///< that share a step of many bodies, 1 to kMostThreads; the bits are
                               ///< the same. They belong to the workspace: step() without one makes
@@ -195,7 +195,7 @@ inline bool is_asleep(const World& world, BodyId body) {
   return world.asleep[body] != 0;
 }
 
-/// Gives the world a law of response of one's own, from the next step on. `parameters.response` then
+/// Gives the world a law of response of one's own, from the next step on, also where bodies touch by now. `parameters.response` then
 /// has its name; a saved world can be restored only into worlds with a law of that name.
 ///
 /// @param response  must outlive the world and its copies

@@ -23,7 +23,7 @@ void change_stage(scene::Session& session, std::shared_ptr<const scene::Stage> s
     world.bodies[i].kind = kind;
   }
   world.parameters = stage->world.parameters;
-  world.response = stage->world.response;
+  engine::set_response(world, *stage->world.response);
   session.stage = std::move(stage);
 }
 

@@ -204,9 +204,17 @@ Carried let_go(const Player& player, const Tick& tick, Time time, Time now) {
   return changed(changed(own, scenario.release, board), player.release_change, board);
 }
 
-/// Releases the ball at `time` and lets it fly until `now`, which is less than a tick later. With
-/// release at the trigger, it flies only until the start of the tick that the step will make; this
-/// may be before the release.
+/// How long gravity acts on a ball that left the hand `flown` before the step [s].
+double fall_before_step(const Tick& tick, double flown) {
+  const engine::Parameters& p = tick.world.parameters;
+  if (tick.stage.scenario.hand.falls_at_once) return flown;
+  if (!at_trigger(tick.stage.scenario.hand)) flown -= engine::step_seconds(tick.world);
+  return falls_until_a_late_release(p) ? std::max(0.0, flown) : 0.0;
+}
+
+/// Releases the ball at `time` and lets it fly until `now`, which is less than a tick later unless the
+/// trigger came late. With release at the trigger, it flies only until the start of the tick that the
+/// step will make; this may be before the release.
 void release(Player& player, const Tick& tick, Time time, Time now) {
   const engine::BodyId body = player.held->body;
   const Hand& hand = tick.stage.scenario.hand;
@@ -220,17 +228,18 @@ void release(Player& player, const Tick& tick, Time time, Time now) {
                 .left_out = {}};
   double flown = seconds(now - time);
   if (at_trigger(hand)) flown -= engine::step_seconds(tick.world);
-  const Vec3 gained = flown * tick.world.parameters.gravity_W;
+  const double fell = fall_before_step(tick, flown);
+  const Vec3 gained = fell * tick.world.parameters.gravity_W;
   state.X_WB.p += flown * state.v_WB;
   if (at_trigger(hand)) {
     state.X_WB.q = (rotation(flown * state.w_WB) * state.X_WB.q).normalized();
   }
-  if (hand.falls_at_once) state.X_WB.p += 0.5 * flown * gained;
+  if (fell != 0.0) state.X_WB.p += 0.5 * fell * gained;
   const Vec3 p_in_hand = state.X_WB.p;
   state = engine::outside_fixed(tick.world, body, state);
   *told.p_WB += state.X_WB.p - p_in_hand;
   const double speed = state.v_WB.norm();
-  if (hand.falls_at_once) state.v_WB += gained;
+  if (fell != 0.0) state.v_WB += gained;
   player.held.reset();
   player.grip_changed = tick.moment.time;
   player.leaving = body;

@@ -31,4 +31,11 @@ inline bool sets_when_none_is_left(const engine::Parameters& p) {
   return p.rules >= 11;
 }
 
+// Since rules 12: a release that is known late.
+
+/// A ball whose trigger came more than a tick late has fallen since then.
+inline bool falls_until_a_late_release(const engine::Parameters& p) {
+  return p.rules >= 12;
+}
+
 }  // namespace headpin::scene

@@ -409,6 +409,26 @@ TEST(SetFriction, TakesNoTableWithoutColumns) {
               HasSubstr("begin of the table of friction"));
 }
 
+// A ball that spins falls on a floor; the law is changed while it is so near that the step looks for a touch.
+TEST(SetResponse, IsTheLawOfBodiesThatAreAboutToTouch) {
+  const auto landed = [](bool late) {
+    World world = make_world({.response = late ? "paper" : "coulomb"});
+    add_body(world, floor_body({0.2, 0.5}));
+    add_body(world, ball_body({0.0, 0.5}),
+             at(Vec3(0.0, 0.0, 0.3), Vec3::Zero(), Vec3(0.0, 80.0, 0.0)));
+    int near = 0;  // steps
+    while (world.statistics.contacts == 0 && world.statistics.impacts == 0) {
+      step(world);
+      if (late && !world.memory.touches.empty() && near++ == 0)
+        set_response(world, response_named("coulomb"));
+    }
+    EXPECT_EQ(near > 0, late);
+    for (int i = 0; i < 100; ++i) step(world);
+    return state_hash(world);
+  };
+  EXPECT_EQ(landed(true), landed(false));
+}
+
 TEST(Statistics, CountWhatHappened) {
   Bowling b = bowling({});
   Statistics sum;

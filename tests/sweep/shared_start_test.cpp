@@ -52,6 +52,21 @@ TEST(SharedStart, GivesEachRowWhatItComesToAlone) {
   EXPECT_LT(ticks[8], 0.7 * ticks[6]);
 }
 
+// A ball that leaves near the floor is looked for touches before the first one: they have the law of their row.
+TEST(SharedStart, GivesTouchesTheLawOfTheirRow) {
+  const std::vector<std::string> keys{"response", "elasticity", "release.spin"};
+  Replayer shared(keys, trials());
+  for (const std::string spin : {"0.0", "200.0"}) {
+    for (const std::string response : {"coulomb", "paper"}) {
+      for (const std::string elasticity : {"0.0", "0.5"}) {
+        Replayer alone(keys, trials());
+        const std::vector<std::string> values{response, elasticity, spin};
+        EXPECT_EQ(shared.run(1, values, [] {}), alone.run(1, values, [] {})) << response << spin;
+      }
+    }
+  }
+}
+
 TEST(SharedStart, IsThatOfRowsThatDifferInWhatActsAtTouchesAlone) {
   const std::vector<std::string> keys{"material.ball.friction", "ball.mass", "collision.response"};
   EXPECT_EQ(text_of_others(3, keys, {"a", "b", "c"}), text_of_others(3, keys, {"d", "b", "e"}));
