@@ -30,7 +30,7 @@ class Messages {
   std::int64_t number() const { return taken_ - 1; }
   Time stamp() const { return stamp_; }
   Time since_first() const { return stamp_ - *first_stamp_; }
-  /// The current message as it is in the log; valid until the next one.
+  /// The current message as it is in the log, or the one before a snapshot; valid until the next one.
   std::span<const std::uint8_t> bytes() const { return bytes_; }
 
   /// Channels, header, skipped messages, and whether the log has its end.

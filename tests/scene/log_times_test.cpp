@@ -102,5 +102,35 @@ TEST(LogTimes, ATimeOfTheFirstOrLastChangeIsKeptWhereNothingElseShowsThatItIsWro
   for (const bool first : {true, false}) expect_changes(with_a_wrong_time(alone, first), 8, 0);
 }
 
+// A snapshot is no message of its own: the one before it is not there twice.
+TEST(LogTimes, OfALogWithSnapshotsOnlyTheDoubledMessageIsLeftOut) {
+  for (const bool doubled : {false, true}) {
+    const std::filesystem::path path = fresh_folder("log") / "trial.lcmlog";
+    Recorder recorder(path, test::header());
+    for (int i = 1; i <= 40; ++i) {
+      devices::TrackerSample sample = test::tracker(1);
+      sample.sequence = i;
+      sample.device_time = Time{100'000 * (i == 20 ? 19 : i)};  // one time comes twice
+      recorder.write(devices::Sample(sample));
+      recorder.write(test::state(24 * i));
+      if (i % 10 == 0) recorder.write(Snapshot{Time{100'000 * i}, 24 * i, {1, 2, 3}});
+    }
+    recorder.close();
+    devices::Buffer bytes;
+    const devices::Buffer whole = test::read_bytes(path);
+    devices::LogReader reader(whole);
+    for (int n = 0; const auto event = reader.next(); ++n) {
+      devices::append(*event, bytes);
+      if (doubled && n == 5) devices::append(*event, bytes);
+    }
+    const Trial trial = read_log(bytes);
+    EXPECT_EQ(trial.skipped.doubled, doubled ? 1 : 0);
+    EXPECT_EQ(trial.backwards, 1);
+    EXPECT_EQ(trial.samples.size(), 40u);
+    EXPECT_EQ(trial.states.size(), 40u);
+    EXPECT_TRUE(trial.complete);
+  }
+}
+
 }  // namespace
 }  // namespace headpin::scene
