@@ -1,6 +1,7 @@
 #include "apps/study_play.h"
 
 #include <array>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -9,6 +10,7 @@
 #include "scene/people/participant.h"
 #include "scene/record/log.h"
 #include "scene/stage/read_scenario.h"
+#include "scene/watch/notes.h"
 #include "scene/watch/recorded.h"
 #include "scene/watch/totals.h"
 #include "scene/watch/trial_writer.h"
@@ -61,17 +63,24 @@ std::uint64_t person_seed(const Study& study, const std::string& id) {
 }
 
 /// Plays the samples of `source` until `until`, and writes a trial to `path`.
+///
+/// @param trial  the samples are from, or null: what was told of it is kept
 PlayedSession play(const scene::Scenario& scenario, const scene::TrialHeader& header,
                    const std::string& path, devices::Source& source, scene::Observer* player,
+                   const scene::TrialSummary* trial,
                    const std::function<bool(const scene::Session&)>& until) {
   scene::Session session = scene::make_session(scenario);
   scene::TrialWriter writer(
       std::make_unique<WithoutStates>(path, scene::header_of(header, session)));
   scene::Totals totals;
-  std::vector<scene::Observer*> observers = {&writer, &totals};
+  std::optional<scene::Notes> notes;
+  std::vector<scene::Observer*> observers;
+  if (trial) observers.push_back(&notes.emplace(*trial, writer));
+  observers.insert(observers.end(), {&writer, &totals});
   if (player) observers.push_back(player);
   scene::NoPace pace;
   scene::run(session, source, pace, observers, until);
+  if (notes) notes->finish(session);
   writer.close(session);
   return {path, seconds(session.now()), totals.score_at_end(session)};
 }
@@ -115,7 +124,7 @@ PlayedSession play_virtual(const Study& study, const study::PlannedParticipant& 
   scene::Participant person(
       {.person = drawn, .throws = study.design.throws, .blue_first = !games[0].red}, scenario);
   Sensed source(person);
-  return play(scenario, header, path, source, &person, [&](const scene::Session&) {
+  return play(scenario, header, path, source, &person, nullptr, [&](const scene::Session&) {
     each_tick();
     return source.exhausted();
   });
@@ -125,7 +134,8 @@ PlayedSession play_trial(const Study& study, const study::PlannedParticipant& pa
                          const std::string& trial, const std::string& path,
                          const std::function<void()>& each_tick) {
   const scene::Recorded recorded = scene::load_trial(trial);
-  const scene::TrialHeader& its = recorded.file.summary().header;
+  const scene::TrialSummary& summary = recorded.file.summary();
+  const scene::TrialHeader& its = summary.header;
   const scene::Scenario scenario = scenario_of(study, participant, trial);
   scene::TrialHeader header;
   header.participant =
@@ -134,10 +144,11 @@ PlayedSession play_trial(const Study& study, const study::PlannedParticipant& pa
   header.seed = its.seed;
   const std::int64_t ticks = recorded.ticks(scenario.rates.physics_hz);
   scene::TrialPlayer source(recorded.file);
-  return play(scenario, header, path, source, nullptr, [&](const scene::Session& session) {
-    each_tick();
-    return session.tick >= ticks;
-  });
+  return play(scenario, header, path, source, nullptr, &summary,
+              [&](const scene::Session& session) {
+                each_tick();
+                return session.tick >= ticks;
+              });
 }
 
 }  // namespace headpin::apps

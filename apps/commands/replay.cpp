@@ -15,10 +15,10 @@
 #include "scene/record/details.h"
 #include "scene/record/events.h"
 #include "scene/record/log.h"
-#include "scene/record/outside.h"
 #include "scene/watch/counterparts.h"
 #include "scene/watch/each_throw.h"
 #include "scene/watch/entered.h"
+#include "scene/watch/notes.h"
 #include "scene/watch/recorded.h"
 #include "scene/watch/recorded_display.h"
 #include "scene/watch/totals.h"
@@ -270,28 +270,6 @@ void print_result(const nlohmann::json& result, const std::vector<scene::Event>&
   }
 }
 
-/// Copies what was noted outside any simulation, each event at its time: the stamps of a log do not go back.
-class Notes : public scene::Observer {
- public:
-  Notes(const scene::TrialSummary& trial, scene::TrialWriter& writer)
-      : notes_(of_no_tick(trial.events)), writer_(writer) {}
-
-  void start(const scene::Session& session) override { copy(session.now()); }
-  void tick(const scene::Session& session) override { copy(session.now()); }
-  void copy(Time until) {
-    while (const scene::Event* event = notes_.next(until)) writer_.write(*event);
-  }
-
- private:
-  static std::vector<scene::Event> of_no_tick(std::vector<scene::Event> events) {
-    std::erase_if(events, [](const scene::Event& event) { return event.tick >= 0; });
-    return events;
-  }
-
-  scene::OutsideEvents notes_;
-  scene::TrialWriter& writer_;
-};
-
 void replay(const ReplayOptions& options) {
   watch_stop_signals();  // before the first output exists
   if (options.each_throw) return replay_each_throw(options);
@@ -314,7 +292,7 @@ void replay(const ReplayOptions& options) {
   const std::int64_t ticks = recorded.ticks(other.rates.physics_hz);
   ProgressLine progress("ticks", ticks);
   std::optional<scene::TrialWriter> writer;
-  std::optional<Notes> notes;
+  std::optional<scene::Notes> notes;
   std::optional<scene::Verifier> verifier;
   std::vector<scene::Observer*> observers;
   if (options.output) {
@@ -332,7 +310,7 @@ void replay(const ReplayOptions& options) {
   }
   observers.push_back(&progress);
   simulate(run, observers, [&](const scene::Session& s) { return s.tick >= ticks; });
-  if (notes) notes->copy(Time::max());
+  if (notes) notes->finish(run.session);
   if (writer) writer->close(run.session);
   say_what_is_missing("replay", options.trial, trial);
   const std::int64_t unverified = verifier ? verifier->finish(trial, run.session) : 0;

@@ -12,6 +12,7 @@
 #include "base/output_file.h"
 #include "scene/record/log.h"
 #include "scene/watch/counterparts.h"
+#include "scene/watch/notes.h"
 #include "scene/watch/totals.h"
 #include "scene/watch/trial_writer.h"
 
@@ -53,12 +54,26 @@ void writing(const Work& work) {
 
 class Writing : public scene::Observer {
  public:
-  explicit Writing(scene::TrialWriter& writer) : writer_(writer) {}
+  Writing(const scene::TrialSummary& trial, scene::TrialWriter& writer)
+      : notes_(trial, writer), writer_(writer) {}
+  void start(const scene::Session& session) override {
+    writing([&] { notes_.start(session); });
+  }
   void tick(const scene::Session& session) override {
-    writing([&] { writer_.tick(session); });
+    writing([&] {
+      notes_.tick(session);
+      writer_.tick(session);
+    });
+  }
+  void close(const scene::Session& session) {
+    writing([&] {
+      notes_.finish(session);
+      writer_.close(session);
+    });
   }
 
  private:
+  scene::Notes notes_;
   scene::TrialWriter& writer_;
 };
 
@@ -148,13 +163,10 @@ void save(const Replay& replay, const std::filesystem::path& path, bool overwrit
   Run run(*replay.trial, replay.scenario, nullptr);
   scene::TrialWriter writer =
       open_writer(replay, path.string(), run.session, overwrite, states == "changes");
-  for (const scene::Event& event : replay.trial->summary().events) {
-    if (event.tick < 0) writing([&] { writer.write(event); });  // found before any simulation
-  }
-  Writing observer(writer);
+  Writing observer(replay.trial->summary(), writer);
   scene::Observer* const seen_by[] = {&observer};
   run.go(seen_by);
-  writing([&] { writer.close(run.session); });
+  observer.close(run.session);
 }
 
 }  // namespace

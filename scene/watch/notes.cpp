@@ -1,0 +1,16 @@
+#include "scene/watch/notes.h"
+
+#include "scene/record/events.h"
+
+namespace headpin::scene {
+
+void Notes::copy(const Session& session, Time until) {
+  while (const Event* event = told_.next(until)) {
+    if (event->kind == kind::drawn_by || event->kind == kind::drawing_failed) continue;
+    Event copy = *event;
+    if (copy.tick >= 0) copy.tick = session.tick;
+    writer_.write(copy);
+  }
+}
+
+}  // namespace headpin::scene
