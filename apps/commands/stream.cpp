@@ -203,7 +203,7 @@ void stream(const StreamOptions& options) {
   watch_stop_signals();
 
   const Streamed done = publish_samples(options, file, scenario, *link);
-  if (done.sent == all) {
+  if (done.sent == all && file.summary().complete) {
     scene::Event end;
     end.time = done.end;
     end.kind = scene::kEndEvent;
@@ -235,7 +235,7 @@ void add_stream(CLI::App& app) {
   command->footer(
       "Channels: TRACKER and MOUSE3D as recorded; HEAD_POSE and HAND_POSE in the world frame, as "
       "bot_core's\nrigid_transform_t; HEADPIN_TRIAL first and then every second, so that a "
-      "recording by lcm-logger is a\ntrial too, whenever it starts.\n\n"
+      "recording by lcm-logger is a\ntrial too, whenever it starts. It is complete if TRIAL is.\n\n"
       "Example:\n  headpin stream trial.lcmlog --lcm 'udpm://239.255.76.67:7667?ttl=0'");
   command->callback([options] { stream(*options); });
 }

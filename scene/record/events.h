@@ -46,6 +46,7 @@ inline constexpr std::string_view import_note = "import_note";
 inline constexpr std::string_view grab_found = "grab_found";
 inline constexpr std::string_view release_found = "release_found";
 inline constexpr std::string_view not_measured = "not_measured";
+inline constexpr std::string_view incomplete = "incomplete";
 }  // namespace kind
 
 /// One kind, for people.
@@ -165,6 +166,10 @@ inline constexpr auto kEventKinds = std::to_array<EventKind>({
      ""},
     {kind::not_measured,
      "in an imported recording: detail says what was not measured, and which value is in its place",
+     "", ""},
+    {kind::incomplete,
+     "after the last tick, in a trial that was simulated from an incomplete one: detail says what is missing of "
+     "that one",
      "", ""},
     {kEndEvent, "last message of a finished log", "", "number of messages before it"},
 });

@@ -77,5 +77,29 @@ TEST_F(TrialCommands, WhatASessionToldIsInTheExperimentThatPlaysIt) {
               ElementsAre("imported -1", "played_with 0", "paused 240", "source_amiss 600"));
 }
 
+TEST_F(TrialCommands, AnIncompleteTrialIsNotMadeComplete) {
+  const std::string demo = slurp(kDemo);
+  spit(folder_ / "cut.lcmlog", demo.substr(0, demo.size() / 2));
+  const auto sent = [&](const std::string& name) {
+    EXPECT_EQ(
+        headpin("stream '" + name + "' --lcm 'file://out.lcmlog?mode=w' --speed 0 --force").code,
+        0);
+    return json("info out.lcmlog --json")["complete"];
+  };
+  EXPECT_EQ(sent(kDemo), true);
+  EXPECT_EQ(sent("cut.lcmlog"), false);
+
+  const auto incomplete = [&](const std::string& from, const std::string& to) {
+    EXPECT_EQ(headpin("replay '" + from + "' -o " + to).code, 0);
+    const scene::Trial made = trial(to);
+    EXPECT_TRUE(made.complete);
+    return std::ranges::count(made.events, scene::kind::incomplete, &scene::Event::kind);
+  };
+  EXPECT_EQ(incomplete(kDemo, "whole.lcmlog"), 0);
+  EXPECT_EQ(incomplete("cut.lcmlog", "made.lcmlog"), 1);
+  EXPECT_EQ(incomplete("made.lcmlog", "again.lcmlog"), 1);
+  EXPECT_THAT(headpin("info again.lcmlog").out, HasSubstr("is incomplete: it ends at 3."));
+}
+
 }  // namespace
 }  // namespace headpin
