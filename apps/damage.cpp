@@ -7,9 +7,9 @@ namespace headpin::apps {
 
 void say_what_is_missing(std::string_view command, const std::string& path,
                          const scene::TrialSummary& trial) {
-  if (trial.complete) return;
-  say("headpin {}: {}: {}; see `headpin info`\n", command, printable(path),
-      scene::what_is_missing(trial));
+  const std::string missing = scene::what_is_missing(trial);
+  if (missing.empty()) return;
+  say("headpin {}: {}: {}; see `headpin info`\n", command, printable(path), missing);
 }
 
 }  // namespace headpin::apps

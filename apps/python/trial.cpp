@@ -38,10 +38,11 @@ struct Trial {
   std::map<std::string, py::array> tables;  ///< those that were asked for
 };
 
-/// Says that a trial is incomplete, as the commands do.
+/// Says what of a trial is not read, as the commands do.
 void warn(const OpenTrial& trial) {
-  if (trial.summary().complete) return;
-  const std::string words = trial.path() + ": " + scene::what_is_missing(trial.summary());
+  const std::string missing = scene::what_is_missing(trial.summary());
+  if (missing.empty()) return;
+  const std::string words = trial.path() + ": " + missing;
   if (PyErr_WarnEx(PyExc_UserWarning, words.c_str(), 1) != 0) throw py::error_already_set();
 }
 
@@ -219,8 +220,8 @@ void add_header(py::class_<Trial>& trial) {
           "False: the end is missing, or something in it cannot be read.")
       .def_property_readonly(
           "warnings", &warnings_of,
-          "What is wrong with the trial, in the words of the commands; empty for "
-          "a complete one.")
+          "What is wrong with the trial, in the words of the commands; empty where "
+          "all of it is read.")
       .def_property_readonly("summary", &contents_of,
                              "What the trial contains, with the keys of `headpin info --json`.");
 }

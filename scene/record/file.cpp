@@ -32,20 +32,25 @@ bool holds_session(devices::LogReader reader) {
 }  // namespace
 
 std::string what_is_missing(const TrialSummary& trial) {
-  if (trial.complete) return {};
   const Skipped& skipped = trial.skipped;
-  std::vector<std::string> unread;
-  if (const auto n =
-          skipped.undecodable + skipped.implausible + skipped.baseless + skipped.misdated;
-      n > 0) {
-    unread.push_back(fmt::format("{} messages", n));
+  const std::int64_t messages =
+      skipped.undecodable + skipped.implausible + skipped.baseless + skipped.misdated;
+  const std::string another =
+      skipped.other_trials > 0 ? "another trial that follows in the same file is not read" : "";
+  if (trial.complete) {
+    if (messages == 0) return another;
+    return fmt::format("has its end, but {} messages of it are passed over{}{}", messages,
+                       another.empty() ? "" : "; ", another);
   }
+  std::vector<std::string> unread;
+  if (messages > 0) unread.push_back(fmt::format("{} messages", messages));
   if (const auto n = skipped.bytes + skipped.cut_bytes; n > 0) {
     unread.push_back(fmt::format("{} bytes", n));
   }
   return fmt::format(
-      "is incomplete: it ends at {:.3f} s{}", seconds(trial.last.value_or(Time{})),
-      unread.empty() ? "" : fmt::format("; {} of it cannot be read", fmt::join(unread, " and ")));
+      "is incomplete: it ends at {:.3f} s{}{}{}", seconds(trial.last.value_or(Time{})),
+      unread.empty() ? "" : fmt::format("; {} of it cannot be read", fmt::join(unread, " and ")),
+      another.empty() ? "" : "; ", another);
 }
 
 struct LogContent {

@@ -101,5 +101,35 @@ TEST_F(TrialCommands, AnIncompleteTrialIsNotMadeComplete) {
   EXPECT_THAT(headpin("info again.lcmlog").out, HasSubstr("is incomplete: it ends at 3."));
 }
 
+TEST_F(TrialCommands, ASecondTrialInAFileIsNotIgnoredWithoutAWord) {
+  ASSERT_EQ(headpin("synthesize -o other.lcmlog --seed 7").code, 0);
+  spit(folder_ / "both.lcmlog", slurp(kDemo) + slurp(folder_ / "other.lcmlog"));
+  const Result both = headpin("replay both.lcmlog");
+  EXPECT_EQ(both.code, 0);
+  EXPECT_EQ(both.err,
+            "headpin replay: both.lcmlog: another trial that follows in the same file is not read; "
+            "see `headpin info`\n");
+  EXPECT_THAT(headpin("info both.lcmlog").out, HasSubstr("1 more trial in the same file"));
+  EXPECT_EQ(headpin("replay other.lcmlog").err, "");
+}
+
+TEST_F(TrialCommands, AMessageOfACompleteTrialIsNotPassedOverWithoutAWord) {
+  devices::FileWindow file(kDemo);
+  devices::LogReader reader(file);
+  std::vector<std::uint8_t> wrong;
+  for (int samples = 0; const auto event = reader.next();) {
+    std::vector<std::uint8_t> data(event->data.begin(), event->data.end());
+    if (event->channel == devices::kTrackerChannel && ++samples == 100) data[8 + 4] ^= 0x10;
+    devices::append({event->number, event->time, event->channel, data}, wrong);
+  }
+  spit(folder_ / "wrong.lcmlog", {wrong.begin(), wrong.end()});
+  EXPECT_EQ(json("info wrong.lcmlog --json")["complete"], true);
+  const Result replayed = headpin("replay wrong.lcmlog");
+  EXPECT_EQ(replayed.code, 0);
+  EXPECT_EQ(replayed.err,
+            "headpin replay: wrong.lcmlog: has its end, but 1 messages of it are passed over; see "
+            "`headpin info`\n");
+}
+
 }  // namespace
 }  // namespace headpin
