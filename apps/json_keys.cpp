@@ -325,7 +325,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
      "import and synthesize as trigger_time_s"},
     {"release_speed_mps", "speed of the ball at its release; of a trial: of its first ball"},
     {"releases",
-     "releases of a trial: their times, and the times at which they would have been fastest"},
+     "releases of balls: their times, and the times at which they would have been fastest"},
     {"remedy", "command that solves a problem"},
     {"renderer", "renderer of the pictures"},
     {"replaced_by",

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "scene/play/score.h"
 #include "scene/record/details.h"
 #include "scene/record/events.h"
 #include "scene/stage/stage.h"
@@ -17,6 +18,28 @@ namespace {
 const Event* first_of(std::span<const Event> events, std::string_view kind) {
   const auto found = std::ranges::find(events, kind, &Event::kind);
   return found == events.end() ? nullptr : &*found;
+}
+
+const Event* first_of_ball(std::span<const Event> events, std::string_view kind) {
+  const auto found =
+      std::ranges::find_if(events, [&](const Event& e) { return e.kind == kind && is_of_ball(e); });
+  return found == events.end() ? nullptr : &*found;
+}
+
+/// The reason why the hand never had the ball.
+std::string why_not_taken(std::span<const Event> events) {
+  const Event* other = first_of(events, kind::grab);
+  if (other && !other->bodies.empty()) {
+    return fmt::format("the hand took {}, not the ball", other->bodies.front());
+  }
+  const Event* missed = first_of(events, kind::missed_grab);
+  if (!missed) {
+    return "the trigger was never pressed while the hand was tracked, so the ball stayed where it was";
+  }
+  return fmt::format(
+      "the trigger was pressed at {:.3f} s with the hand {:.2f} m from the {}, too far to take it",
+      seconds(missed->time), missed->value,
+      missed->bodies.empty() ? "ball" : missed->bodies.front());
 }
 
 /// The body that the ball met.
@@ -34,18 +57,8 @@ std::string why_nothing_fell(std::span<const Event> events) {
     return e.kind == kind::skittle_down && e.detail.value_or(By::nobody) != By::hand;
   });
   if (fell) return "";
-  if (!first_of(events, kind::grab)) {
-    const Event* missed = first_of(events, kind::missed_grab);
-    if (!missed) {
-      return "the trigger was never pressed while the hand was tracked, so the ball stayed where it was";
-    }
-    return fmt::format(
-        "the trigger was pressed at {:.3f} s with the hand {:.2f} m from the {}, "
-        "too far to take it",
-        seconds(missed->time), missed->value,
-        missed->bodies.empty() ? "ball" : missed->bodies.front());
-  }
-  const Event* release = first_of(events, kind::release);
+  if (!first_of_ball(events, kind::grab)) return why_not_taken(events);
+  const Event* release = first_of_ball(events, kind::release);
   if (!release) return "the ball was taken and never let go";
   if (const Event* struck = first_of(events, kind::first_contact)) {
     return fmt::format("the ball met {} at {:.2f} m/s, which did not fell it", met_by_ball(*struck),

@@ -8,7 +8,7 @@
 namespace headpin::scene {
 
 /// The reason why no skittle fell, from the events of a session: the ball was not grabbed, not
-/// released, missed, or was too slow. One sentence; empty if a skittle fell.
+/// released, missed, or was too slow, or the hand took skittles only. One sentence; empty if a skittle fell.
 std::string why_nothing_fell(std::span<const Event> events);
 
 }  // namespace headpin::scene

@@ -6,6 +6,7 @@
 #include "scene/play/hand.h"
 #include "scene/play/player.h"
 #include "scene/play/release.h"
+#include "scene/play/score.h"
 #include "scene/record/events.h"
 
 namespace headpin::scene {
@@ -131,7 +132,7 @@ ReleaseTiming at_milliseconds(const Throwing& throwing, Time time) {
 std::vector<ReleaseTiming> release_timings(const TrialFile& trial, const Scenario& scenario) {
   std::vector<Time> times;
   for (const Event& event : trial.summary().events) {
-    if (event.kind == kind::release) times.push_back(event.time);
+    if (event.kind == kind::release && is_of_ball(event)) times.push_back(event.time);
   }
   if (times.empty()) return {};
   const ReleaseWindow window = release_window(scenario.hand);

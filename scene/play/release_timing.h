@@ -15,7 +15,7 @@ struct ReleaseTiming {
       0.0;  ///< speed of the ball at that release, with the walk and `release.speed` [m/s]
 };
 
-/// The timing of each release of a trial during which the hand was tracked, in order.
+/// The timing of each release of a ball in a trial during which the hand was tracked, in order.
 ///
 /// @throws std::runtime_error  when the file was changed in the meantime
 std::vector<ReleaseTiming> release_timings(const TrialFile& trial, const Scenario& scenario);

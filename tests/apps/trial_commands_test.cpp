@@ -457,5 +457,19 @@ TEST_F(TrialCommands, ApartSaysUntilWhenItCompared) {
   EXPECT_EQ(headpin("apart " + kDemo + " " + kDemo).out, "Nothing differs.\n");
 }
 
+// The ball is out of the hand's reach, and a skittle where the ball was.
+TEST_F(TrialCommands, ASkittleInTheHandIsNotToldAsTheBall) {
+  const std::string skittle = "'ball.home=[-2,-2.5,0.2]' --set lane.head_pin=0.5";
+  ASSERT_EQ(headpin("replay " + kDemo + " -o sk.lcmlog --set hand.reach=1.0 --set " + skittle).code,
+            0);
+  const nlohmann::json info = json("info sk.lcmlog --json");
+  const std::string why = "the hand took skittle 1, not the ball";
+  EXPECT_EQ(info["result"]["why_nothing_fell"], why);
+  EXPECT_EQ(json("replay sk.lcmlog --json")["why_nothing_fell"], why);
+  EXPECT_TRUE(info["releases"].empty()) << info["releases"];
+  EXPECT_THAT(headpin("info sk.lcmlog").out,
+              testing::AllOf(HasSubstr(why), testing::Not(HasSubstr("released at"))));
+}
+
 }  // namespace
 }  // namespace headpin

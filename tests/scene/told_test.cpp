@@ -366,5 +366,17 @@ TEST(Throws, WithoutAGameHaveWhatFellSinceAndNoFoulOnTheLine) {
   EXPECT_EQ(found.release_speed, 5.0);
 }
 
+TEST(WhyNothingFell, IsAboutTheBallNotAboutASkittleInTheHand) {
+  const Event taken = told(kind::grab, {"skittle 1"}),
+              let_go = told(kind::release, {"skittle 1"}, 6.0);
+  EXPECT_EQ(why({taken}), "the hand took skittle 1, not the ball");
+  EXPECT_EQ(why({told(kind::missed_grab, {"ball"}, 0.9), taken, let_go}),
+            "the hand took skittle 1, not the ball");
+  const Event grab = told(kind::grab, {"ball"}), release = told(kind::release, {"ball"}, 3.0);
+  EXPECT_EQ(why({taken, let_go, grab}), "the ball was taken and never let go");
+  EXPECT_EQ(why({taken, let_go, grab, release}),
+            "the ball was released at 3.00 m/s and touched nothing until the end");
+}
+
 }  // namespace
 }  // namespace headpin::scene
