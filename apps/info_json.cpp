@@ -65,7 +65,7 @@ void add_details(ordered_json& out, const scene::TrialSummary& trial) {
 }
 
 ordered_json result_json(const scene::TrialSummary& trial) {
-  const scene::Score r = scene::score(trial.events);
+  const scene::Score r = scene::score(trial);
   const auto skittles = std::ranges::count_if(trial.header.body_names, [](const std::string& name) {
     return scene::role_named(name) == scene::Role::skittle;
   });

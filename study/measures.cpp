@@ -25,7 +25,7 @@ void Measurer::add_paths(const scene::Session& session, VersionMeasures& version
 
 void Measurer::tick(const scene::Session& session) {
   for (const scene::Event& event : session.events) {
-    score_.add(event);
+    score_.add(event, session.scenario());
     if (event.kind == scene::kind::version) {
       version_ = event.detail.text();
       if (std::ranges::find(so_far_.order, version_) == so_far_.order.end()) {

@@ -37,7 +37,7 @@ const std::vector<ResultColumn>& result_columns() {
 }
 
 void Result::tick(const scene::Session& session) {
-  for (const scene::Event& event : session.events) score_.add(event);
+  for (const scene::Event& event : session.events) score_.add(event, session.scenario());
   if (session.world.statistics.awake > 0) last_awake_ = session.tick;
   const Frames::value_type* recorded = recorded_now(session);
   const auto apart = recorded ? arcmin_in_view(session, *recorded) : std::nullopt;

@@ -92,7 +92,7 @@ Outcome throw_again(const Situation& situation, const Release& release) {
     for (const scene::Event& event : alone.session.events) {
       if (scene::is_release_of_ball(event) || event.kind == scene::kind::first_contact ||
           event.kind == scene::kind::skittle_down) {
-        score.add(event);
+        score.add(event, before.scenario());
       }
     }
   }
@@ -183,7 +183,7 @@ void Situations::begin(Time trigger) {
 void Situations::tick(const scene::Session& session) {
   const std::optional<Time> opened = hand_opened(session);
   for (const scene::Event& event : session.events) {
-    score_.add(event);
+    score_.add(event, session.scenario());
     if (!scene::is_release_of_ball(event) || !opened) continue;
     if (recent_.empty() && before_) recent_.push_back(*before_);  // taken in this tick
     if (!recent_.empty()) begin(*opened);

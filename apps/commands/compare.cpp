@@ -53,7 +53,7 @@ Side load(const std::string& path) {
 /// @param other  the trial in which the throws of `side` are searched
 nlohmann::json describe(const Side& side, const Side& other) {
   const scene::TrialSummary& trial = side.file.summary();
-  const scene::Score score = scene::score(trial.events);
+  const scene::Score score = scene::score(trial.events, side.scenario);
   const auto number = [](const std::optional<double>& value) {
     return value ? nlohmann::json(*value) : nlohmann::json();
   };

@@ -52,7 +52,7 @@ nlohmann::ordered_json write_tables(base::OutputFolder& folder, const scene::Tri
     tables.emplace_back(files.emplace_back(folder.file(name + ".csv")).out(), name,
                         trial.summary().header, walked);
   }
-  const std::vector<scene::ThrowRow> throws = scene::score(trial.summary().events).throws;
+  const std::vector<scene::ThrowRow> throws = scene::score(trial.summary()).throws;
   for (scene::TableWriter& table : tables) {
     for (const scene::Event& event : trial.summary().events) table.add(event);
     for (const scene::ThrowRow& row : throws) table.add(row);

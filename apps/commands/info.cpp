@@ -126,7 +126,7 @@ void print_trial(const std::string& path, const scene::TrialSummary& trial,
     std::cout << "\n";
   }
   if (trial.state_count > 0) {
-    const scene::Score r = scene::score(trial.events);
+    const scene::Score r = scene::score(trial);
     std::cout << fmt::format("simulated\n  {} ticks, {} bodies, {} frames\n", trial.state_count,
                              trial.bodies, trial.frame_count)
               << fmt::format("  skittles down {}", r.skittles_down);

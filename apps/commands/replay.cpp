@@ -222,7 +222,7 @@ void enter(const ReplayOptions& options, const scene::Recorded& recorded,
   run.begun = run.session.now();
   for (const scene::Event& event : recorded.file.summary().events) {
     if (event.tick < 0 || event.tick > run.session.tick) continue;
-    run.totals.add(event);
+    run.totals.add(event, recorded.scenario);
     run.happened.add(event);
   }
   simulate(run, {}, [&](const scene::Session& s) { return s.next_tick() > from; });

@@ -80,7 +80,7 @@ std::unique_ptr<Table> read(OpenTrial& trial, const std::string& csv) {
     return table;
   }
   if (csv == "throws") {
-    for (const auto& one : scene::score(trial.summary().events).throws) rows.add(one);
+    for (const auto& one : scene::score(trial.summary()).throws) rows.add(one);
     return table;
   }
   Interrupts interrupts;

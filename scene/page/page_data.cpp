@@ -195,7 +195,7 @@ PageData page_data(const Recorded& recorded, const PageLooks& page_looks,
       unchanged && !hash["first_difference"].is_null() && !trial.events.empty();
   const std::vector<Event>& events = as_recorded ? trial.events : happened.events;
   out["trial"] = of_trial(recorded);
-  const Score said = as_recorded ? score(trial.events) : totals.score_at_end(session);
+  const Score said = as_recorded ? score(trial) : totals.score_at_end(session);
   out["summary"] = summary(session, said);
   out["hash"] = hash;
   out["scenario_differences"] = to_json(differences(recorded.scenario, scenario));

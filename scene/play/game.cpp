@@ -286,6 +286,11 @@ Game make_game(const Stage& stage) {
   return game;
 }
 
+bool is_taken_back(const GameRules& rules, const CaughtBall& ball) {
+  if (rules.ends != BallEnds::rest || ball.struck) return false;
+  return !ball.beyond || ball.since_release < kThrownAfter;
+}
+
 bool has_fallen(const Pose& X_WB) {
   constexpr double kCos20Degrees = 0.93969262078590838;
   return (X_WB.q * Vec3::UnitZ()).z() < kCos20Degrees;

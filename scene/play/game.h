@@ -58,6 +58,16 @@ struct Game {
 
 Game make_game(const Stage& stage);
 
+/// A thrown ball that is in the hand again.
+struct CaughtBall {
+  bool struck = false;   ///< it has touched a skittle
+  bool beyond = false;   ///< it has been beyond the foul line
+  Time since_release{};  ///< from tick to tick
+};
+
+/// Whether it does not count as thrown: then neither does its foul. Referee and score sheet decide by this.
+bool is_taken_back(const GameRules& rules, const CaughtBall& ball);
+
 /// The way of the ball that is watched, as far as it has come: the event of a trial that ends before
 /// it. Nothing if no ball is on its way.
 std::optional<Event> ball_path_so_far(const Game& game, const engine::World& world,

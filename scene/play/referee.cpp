@@ -255,12 +255,6 @@ void tidy(const Field& f) {
   }
 }
 
-/// Whether the ball is in the hand again and does not count as thrown.
-bool is_taken_back(const Field& f, bool under_way) {
-  if (under_way || f.game.struck) return false;
-  return !f.game.beyond || f.moment.time - *f.game.thrown < kThrownAfter;
-}
-
 }  // namespace
 
 bool referee(Game& game, const Tick& tick, std::optional<engine::BodyId> held) {
@@ -280,13 +274,13 @@ bool referee(Game& game, const Tick& tick, std::optional<engine::BodyId> held) {
   }
   if (under_way && !game.thrown) begin_delivery(f);
   if (!game.thrown) return false;
-  if (f.waits_for_rest() && is_taken_back(f, under_way)) {
+  const Time since = f.moment.time - *game.thrown;
+  if (!under_way && is_taken_back(f.plan(), {game.struck, game.beyond, since})) {
     game.thrown.reset();
     game.foul = false;
     return false;
   }
   const bool rests = f.waits_for_rest() ? stays_at_rest(f) : all_at_rest(f);
-  const Time since = f.moment.time - *game.thrown;
   if (since < microseconds(f.plan().ball_back_s) && (since < kThrownAfter || !rests)) return false;
   game.thrown.reset();
   return end_delivery(f);

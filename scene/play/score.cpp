@@ -1,7 +1,9 @@
 #include "scene/play/score.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,6 +11,7 @@
 #include "scene/play/game.h"
 #include "scene/record/details.h"
 #include "scene/record/events.h"
+#include "scene/scenario/text.h"
 #include "scene/stage/stage.h"
 
 namespace headpin::scene {
@@ -70,33 +73,49 @@ std::string in_words(const Sheet& sheet) {
                      fmt::join(sheet.marks, ", "));
 }
 
-/// Marks a foul, until its ball is in the hand again before it counted as thrown, as the referee has it.
-void Score::mark_foul(const Event& event, Sheet& game) {
+/// Marks a foul, unless its ball is in the hand again before it counts as thrown.
+void Score::follow_ball(const Event& event, const Scenario& scenario, Sheet& game) {
+  const Time now = event.tick < 0 ? event.time : tick_time(event.tick, scenario.rates.physics_hz);
   if (event.kind == kind::foul && !game.over) {
-    game.marks.push_back(mark(game, "foul"));
-    if (!foul_) foul_ = Foul{event.time, event.bodies};
+    const std::string foul = mark(game, "foul");
+    if (std::ranges::find(game.marks, foul) == game.marks.end()) game.marks.push_back(foul);
+    current_.foul = true;
+    if (!current_.thrown) current_.thrown = now;
   }
-  if (!foul_) return;
-  if (event.kind == kind::grab && event.bodies == foul_->bodies &&
-      event.time - foul_->time < kThrownAfter) {
-    std::erase(game.marks, mark(game, "foul"));
-    foul_.reset();
+  if (event.kind == kind::first_contact) current_.struck = true;
+  if (event.kind == kind::delivery) {
+    current_.thrown.reset();
+    current_.foul = current_.struck = false;
   }
-  if (event.kind == kind::first_contact || event.kind == kind::delivery) foul_.reset();
+  if (!is_of_ball(event)) return;
+  const std::string& ball = event.bodies.front();
+  if (event.kind == kind::release) {
+    current_.under_way.push_back(ball);
+    if (!current_.thrown) current_.thrown = now;
+    if (scenario.game.hand_fells == HandFells::apart) current_.struck = false;
+  }
+  if (event.kind != kind::grab && event.kind != kind::ball_back) return;
+  std::erase(current_.under_way, ball);
+  if (event.kind != kind::grab || !current_.thrown || !current_.under_way.empty()) return;
+  const CaughtBall caught{current_.struck, current_.foul, now - *current_.thrown};
+  if (!is_taken_back(scenario.game, caught)) return;
+  std::erase(game.marks, mark(game, "foul"));
+  current_.thrown.reset();
+  current_.foul = false;
 }
 
-void Score::add_to_game(const Event& event) {
+void Score::add_to_game(const Event& event, const Scenario& scenario) {
   if (const auto* rules = event.detail.get_if<GameKind>()) {
     if (games.empty()) skittles_down = felled_by_hand = 0;  // earlier falls are in no sheet
     games.push_back({.version = version_,
                      .rules = *rules,
                      .rack = static_cast<int>(event.value),
                      .frames = {{}}});
-    foul_.reset();
+    current_ = {};
   }
   if (games.empty()) return;
   Sheet& game = games.back();
-  mark_foul(event, game);
+  follow_ball(event, scenario, game);
   if (event.kind == kind::dead_wood) {
     game.marks.push_back(mark(game, fmt::format("{} by hand", event.value)));
     felled_by_hand += static_cast<std::int64_t>(event.value);
@@ -179,19 +198,30 @@ void Score::add_to_leave(const Event& event) {
   if (standing.empty() || rules_of(games.back().rules).full_rack) down_.clear();
 }
 
-void Score::add(const Event& event) {
+void Score::add(const Event& event, const Scenario& scenario) {
   if (event.kind == kind::version) version_ = event.detail.text();
   touches += event.kind == kind::touch || event.kind == kind::first_contact;
   add_to_way(event);
   add_to_throw(event);  // it has the number of the next ball
   add_to_leave(event);
-  add_to_game(event);
+  add_to_game(event, scenario);
 }
 
-Score score(std::span<const Event> events) {
+Score score(std::span<const Event> events, const Scenario& scenario) {
   Score score;
-  for (const Event& event : events) score.add(event);
+  for (const Event& event : events) score.add(event, scenario);
   return score;
+}
+
+Score score(const TrialSummary& trial) {
+  Scenario scenario;
+  ScenarioText text{.where = "scenario", .whole = true};
+  try {
+    read_text(scenario, trial.header.scenario, text);
+  } catch (const std::invalid_argument&) {
+    scenario = {};
+  }
+  return score(trial.events, scenario);
 }
 
 }  // namespace headpin::scene

@@ -8,6 +8,7 @@
 #include "scene/record/tables.h"
 #include "scene/record/trial.h"
 #include "scene/scenario/rules.h"
+#include "scene/scenario/scenario.h"
 
 namespace headpin::scene {
 
@@ -37,27 +38,34 @@ struct Score {
   std::vector<Sheet> games;             ///< in order; none for a single throw
   std::vector<ThrowRow> throws;         ///< in their order; the sums above are sums of them
 
-  void add(const Event& event);
+  /// @param scenario  of the session; its rules say when a ball is taken back
+  void add(const Event& event, const Scenario& scenario = {});
 
  private:
-  void add_to_game(const Event& event);
-  void mark_foul(const Event& event, Sheet& game);
+  void add_to_game(const Event& event, const Scenario& scenario);
+  void follow_ball(const Event& event, const Scenario& scenario, Sheet& game);
   void add_to_throw(const Event& event);
   void add_to_way(const Event& event);
   void add_to_leave(const Event& event);
 
-  /// A foul whose ball may still be taken back.
-  struct Foul {
-    Time time;
-    std::vector<std::string> bodies;  ///< the ball
+  /// The throw that is not counted yet, as the referee has it.
+  struct Current {
+    std::optional<Time> thrown;  ///< tick of the release
+    bool foul = false, struck = false;
+    std::vector<std::string> under_way;  ///< balls that the hand has let go
   };
 
   std::string version_;
-  std::optional<Foul> foul_;
+  Current current_;
   std::vector<std::string> down_;  ///< skittles counted since the rack was set
 };
 
-Score score(std::span<const Event> events);
+/// @param scenario  of the session
+Score score(std::span<const Event> events, const Scenario& scenario = {});
+
+/// The score of a trial by its own events and scenario; of one whose scenario cannot be read, by the rules
+/// of today's default.
+Score score(const TrialSummary& trial);
 
 /// Whether an event tells of a ball, which it names first.
 bool is_of_ball(const Event& event);

@@ -85,7 +85,11 @@ void FollowedLog::take(const Event& event) {
     const Versions& versions = scenario_->version;
     scenario_ = under(*scenario_, event.detail.text() == "red" ? versions.red : versions.blue);
   }
-  score_.add(event);
+  if (scenario_) {
+    score_.add(event, *scenario_);
+  } else {
+    score_.add(event);
+  }
 }
 
 void FollowedLog::take(const TickState& state) {

@@ -48,11 +48,11 @@ bool explains(const Event& event) {
 }  // namespace
 
 void Totals::tick(const Session& session) {
-  for (const Event& event : session.events) add(event);
+  for (const Event& event : session.events) add(event, session.scenario());
 }
 
-void Totals::add(const Event& event) {
-  score_.add(event);
+void Totals::add(const Event& event, const Scenario& scenario) {
+  score_.add(event, scenario);
   fell_ |= event.kind == kind::skittle_down && event.detail.value_or(By::nobody) != By::hand;
   const bool kept = event.kind != kind::ball_touch || before_.size() < kMostTouches;
   if (!fell_ && kept && explains(event)) before_.push_back(event);
@@ -60,7 +60,7 @@ void Totals::add(const Event& event) {
 
 Score Totals::score_at_end(const Session& session) const {
   Score score = score_;
-  if (const auto path = last_ball_path(session)) score.add(*path);
+  if (const auto path = last_ball_path(session)) score.add(*path, session.scenario());
   return score;
 }
 

@@ -16,7 +16,7 @@ class Totals : public Observer {
  public:
   void tick(const Session& session) override;
   /// Adds an event of a part of the session that is not simulated.
-  void add(const Event& event);
+  void add(const Event& event, const Scenario& scenario);
 
   const Score& score() const { return score_; }
   /// With the way of a ball that is on it at the session's end.
