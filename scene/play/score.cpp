@@ -75,7 +75,9 @@ std::string in_words(const Sheet& sheet) {
 
 /// Marks a foul, unless its ball is in the hand again before it counts as thrown.
 void Score::follow_ball(const Event& event, const Scenario& scenario, Sheet& game) {
-  const Time now = event.tick < 0 ? event.time : tick_time(event.tick, scenario.rates.physics_hz);
+  constexpr std::int64_t kFar = 1'000'000'000'000;  // a damaged log may have any tick
+  const bool simulated = event.tick >= 0 && event.tick < kFar;
+  const Time now = !simulated ? event.time : tick_time(event.tick, scenario.rates.physics_hz);
   if (event.kind == kind::foul && !game.over) {
     const std::string foul = mark(game, "foul");
     if (std::ranges::find(game.marks, foul) == game.marks.end()) game.marks.push_back(foul);
