@@ -75,9 +75,12 @@ void FramesBeside::tick(const Session& session) {
     taken_ = Clock::now();
   }
   if (tick_time(frame_, rates.frame_hz) - lead_ > now) return;
-  const std::int64_t frame = frame_++;
+  const std::int64_t first = frame_++;
+  while (tick_time(frame_, rates.frame_hz) - lead_ <= now) ++frame_;
+  const std::int64_t frame = frame_ - 1;  // the newest that is due; those before it are late
   const std::optional<Pose> X_WD = head_pose(session);
   if (!X_WD) return;
+  late_ += frame - first;
   Offer due{{frame, session.tick, now, glimpse(session, *X_WD)}, {}, Clock::now()};
   if (pace_ && newest_ != shown_) {  // latency is measured for new samples only
     due.stages = {.ticked = seconds_between(pace_->at(*newest_), taken_),

@@ -83,7 +83,8 @@ class DrawerHere : public FrameDrawer {
 };
 
 /// Draws frames in parallel with the session, which never waits: one frame at a time. A frame that
-/// is due while another one is drawn is dropped.
+/// is due while another one is drawn is dropped; of several that are due at one tick, as with more
+/// frames than ticks a second, the newest is drawn.
 class FramesBeside : public Observer {
  public:
   /// What was drawn.
@@ -111,7 +112,8 @@ class FramesBeside : public Observer {
   /// Waits for the current frame, so that it is recorded; to be called at the end.
   /// @throws  what drawing threw
   void finish();
-  /// Frames that were due and were not drawn: another was being drawn, or drawing failed.
+  /// Frames that were due and were not drawn: another was being drawn, a newer one was due at the same
+  /// tick, or drawing failed.
   std::int64_t late() const;
   const render::Fingerprint& drawn_by() const { return drawn_by_; }
 

@@ -353,5 +353,43 @@ TEST(LcmViewsTest, PicturesArePublishedRawAndAsPng) {
   EXPECT_NE(bytes[true].find("\x89PNG"), std::string::npos);
 }
 
+/// Keeps the jobs that it gets.
+struct ListingDrawer : FrameDrawer {
+  explicit ListingDrawer(std::vector<FrameJob>& list) : jobs(list) {}
+  const render::Fingerprint& drawn_by() const override { return who; }
+  std::optional<DrawnFrame> draw(const FrameJob& job) override {
+    jobs.push_back(job);
+    return DrawnFrame{};
+  }
+  std::vector<FrameJob>& jobs;
+  render::Fingerprint who;
+};
+
+TEST(FramesBesideTest, MoreFramesThanTicksAreDrawnOrLateAndKeepUpWithTime) {
+  Scenario scenario;
+  scenario.rates.frame_hz = 1000;
+  Session session = make_session(scenario);
+  devices::TrackerSample head;
+  head.station = devices::kHeadStation;
+  head.X_TS.p = Vec3(0.0, -0.4, 1.7);
+  devices::ReplaySource source({head});
+  std::vector<FrameJob> jobs;
+  std::int64_t late = 0;
+  {
+    FramesBeside eyes{[&] { return std::make_unique<ListingDrawer>(jobs); }};
+    while (session.now() < Time{1'000'000}) {
+      advance(session, source);
+      eyes.tick(session);
+      eyes.finish();  // no frame is late because another is drawn
+    }
+    late = eyes.late();
+  }
+  ASSERT_EQ(jobs.size(), static_cast<std::size_t>(scenario.rates.physics_hz)) << "one a tick";
+  EXPECT_EQ(static_cast<std::int64_t>(jobs.size()) + late, 1001) << "0 to 1000";
+  for (const FrameJob& job : jobs) {
+    EXPECT_EQ(job.frame, job.time.count() / 1000) << "the newest that is due";
+  }
+}
+
 }  // namespace
 }  // namespace headpin::scene
