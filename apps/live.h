@@ -18,7 +18,8 @@ struct LiveOptions {
   std::optional<scene::Scenario> given;  ///< in place of a scenario by its name
   std::optional<std::string> participant, condition_name, record;
   std::vector<std::string> hemispheres;
-  int baud = 115200, samples = 1;
+  int baud = 115200;
+  std::optional<int> samples;  ///< in place of the scenario's
   std::optional<double> duration_s;
   bool force = false, json = false, use_lcm = false, no_trial = false;
   scene::States states = scene::States::changes;

@@ -144,7 +144,6 @@ void run_live(const Study& study, const study::PlannedParticipant& who, const Ru
               const NextRun& run) {
   LiveOptions live = *options.live;
   live.given = scenario_of(study, who, trial_in(live.sources));
-  live.samples = static_cast<int>(live.given->look.samples);
   live.participant = who.id;
   for (const std::string& source : live.sources) {
     if (fs::is_regular_file(source) &&

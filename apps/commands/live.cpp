@@ -53,7 +53,10 @@ scene::TrialHeader whose(const LiveOptions& options, std::span<const scene::Play
 /// The scenario from the options, otherwise that of a played log, otherwise the paper's room.
 scene::Scenario chosen(const LiveOptions& options, std::span<const scene::PlayedTrial> played) {
   if (!options.given && options.scenario.empty()) {
-    return played.empty() ? scene::Scenario{} : scene::scenario_of(played[0]);
+    if (!played.empty()) return scene::scenario_of(played[0]);
+    scene::Scenario room;
+    room.look.samples = 1;  // so that a slow machine draws it in time
+    return room;
   }
   const scene::Scenario scenario =
       options.given ? *options.given : scene::load_scenario(options.scenario);
@@ -70,7 +73,7 @@ scene::Scenario chosen(const LiveOptions& options, std::span<const scene::Played
 scene::Scenario scenario_of(const LiveOptions& options,
                             std::span<const scene::PlayedTrial> played) {
   scene::Scenario scenario = chosen(options, played);
-  scenario.look.samples = options.samples;
+  if (options.samples) scenario.look.samples = *options.samples;
   apply_condition(options.condition, scenario);
   return scenario;
 }
@@ -248,9 +251,9 @@ void add_live(CLI::App& app) {
   command
       ->add_option("--samples", options->samples,
                    "anti-aliasing: N^2 + 1 samples per pixel, or one with N = 1; stored in the "
-                   "trial as look.samples")
-      ->check(whole_number_from(1, 4))
-      ->capture_default_str();
+                   "trial as look.samples; default: that of the scenario, 1 for the paper's room "
+                   "without one")
+      ->check(whole_number_from(1, 4));
   add_force(*command, options->force);
   add_json(*command, options->json);
   add_condition_options(*command, options->condition);

@@ -400,5 +400,22 @@ TEST_F(LiveFastrak, AFloodOfWrongTypesIsSaidAtOnce) {
   EXPECT_EQ(flood.err.find("messages that cannot be used: ", again + 1), std::string::npos);
 }
 
+TEST_F(LiveFastrak, TheSamplesOfAPixelAreTheScenariosUnlessTheyAreGiven) {
+  take_room_of_demo();
+  const auto samples = [&](const std::string& options) {
+    EXPECT_EQ(headpin("live --duration 0.3 --force --record look.lcmlog " + options).code, 0);
+    const std::string toml = trial("look.lcmlog").header.scenario;
+    return scene::scenario_of_trial(toml, "look.lcmlog").look.samples;
+  };
+  const auto own = scene::scenario_of_trial(scene::read_trial(kDemo).header.scenario, kDemo);
+  ASSERT_EQ(own.look.samples, 2);
+  EXPECT_EQ(samples(kDemo), 2);
+  EXPECT_EQ(samples("--scenario room.toml " + kDemo), 2);
+  EXPECT_EQ(samples("--scenario room.toml --samples 1 " + kDemo), 1);
+  EXPECT_EQ(samples("--samples 3 " + kDemo), 3);
+  EXPECT_EQ(samples("--scenario room.toml --set look.samples=4 " + kDemo), 4);
+  EXPECT_EQ(samples("'lcm:file://" + kDemo + "'"), 1) << "the paper's room";
+}
+
 }  // namespace
 }  // namespace headpin
