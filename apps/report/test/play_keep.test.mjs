@@ -158,3 +158,15 @@ test('an engine that stops is told, and the log up to there can be saved', async
   assert.ok(verified('stopped.lcmlog').verified_ticks > 60);
   await context.close();
 });
+
+test('an engine that fails at the end of a game is told, and the log up to there can be saved', async () => {
+  const { page, context } = await open();
+  await startGame(page);
+  await until(page, () => window.headpin.game.made > 300_000);
+  await page.evaluate(() => { window.headpin.game.engine.finish = () => ({ error: 'of this test' }); });
+  await page.click('#end');
+  assert.equal(await saveBy(page, '#save-last', 'unfinished.lcmlog'), await page.evaluate(() => window.headpin.last.name));
+  assert.match(await page.textContent('#trouble'), /of this test/);
+  assert.ok(verified('unfinished.lcmlog').verified_ticks > 60);
+  await context.close();
+});

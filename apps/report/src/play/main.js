@@ -241,8 +241,9 @@ class Page {
   }
 
   async end() {
-    const { game, store } = this;
+    const { game } = this;
     if (!game) return;
+    const result = game.finish();  // where it fails, fail() keeps the game
     this.game = null;
     clearInterval(this.pieces);
     this.sound.end();
@@ -251,7 +252,6 @@ class Page {
     this.X_TD = this.xr?.head ?? this.X_TD;
     this.xr?.end();
     this.xr = null;
-    const result = game.finish();
     await this.keepLast(result);
     find('hint').textContent = endInWords(game.score);
     find('score').textContent = '';
@@ -396,7 +396,11 @@ class Page {
     this.xr?.end();
     this.xr = null;
     if (!game) return;
-    game.keepLog();
+    try {
+      game.keepLog();
+    } catch {
+      // The engine gives no more: what it gave before is kept.
+    }
     find('hint').textContent = '';
     this.keepLast({}).then(() => this.endVisit()).catch(() => {});  // the first trouble is told already
   }
