@@ -4,27 +4,44 @@ import { conditionInWords, framesOf, hashInWords, headInWords, lostEnergy, resul
 
 const kNone = '–';
 
+const kDigits = 3, kMostDigits = 17;  // of a number; more only where fewer hide a difference
+
 const kRows = [
   ['Skittles down', (s) => (s.games.length ? `${s.skittles_down} of all racks`
     : `${s.skittles_down} of ${s.skittles}`)],
   ['Points', (s) => s.games.map(({ name, rules, points }) => `${name ? `${name} ` : ''}${rules} ${points}`).join(', ') || kNone],
-  ['Ball at release', (s) => withUnit(s.release_speed_mps, 'm/s')],
-  ['Ball at the first skittle', (s) => withUnit(s.impact_speed_mps, 'm/s')],
-  ['Elasticity', (s) => conditionInWords(s, 'elasticity')],
-  ['Friction', (s) => conditionInWords(s, 'friction')],
+  ['Ball at release', (s, digits) => withUnit(s.release_speed_mps, 'm/s', digits)],
+  ['Ball at the first skittle', (s, digits) => withUnit(s.impact_speed_mps, 'm/s', digits)],
+  ['Elasticity', (s, digits) => conditionInWords(s, 'elasticity', digits)],
+  ['Friction', (s, digits) => conditionInWords(s, 'friction', digits)],
   ['Skittles collide as', (s) => conditionInWords(s, 'shape')],
   ['Impulses', (s) => s.response],
   ['Detection', (s) => s.detection],
-  ['Simulated', (s) => `${number(s.simulated_s, 6)} s, ${s.ticks} ticks`],
+  ['Simulated', (s, digits) => `${number(s.simulated_s, Math.max(6, digits))} s, ${s.ticks} ticks`],
   ['Impacts', (s) => number(s.statistics.impacts)],
-  ['Deepest overlap', (s) => withUnit(s.statistics.deepest_overlap_m * 1000, 'mm')],
-  ['Energy lost in impacts', (s) => withUnit(lostEnergy(s.ledger), 'J')],
-  ['State hash', (s) => make('code', {}, s.state_hash)],
-  ['Game hash', (s) => make('code', {}, s.game_hash)],
+  ['Deepest overlap', (s, digits) => withUnit(s.statistics.deepest_overlap_m * 1000, 'mm', digits)],
+  ['Energy lost in impacts', (s, digits) => withUnit(lostEnergy(s.ledger), 'J', digits)],
+  ['State hash', (s) => s.state_hash],
+  ['Game hash', (s) => s.game_hash],
 ];
 
-function withUnit(value, unit) {
-  return value === null || value === undefined ? kNone : `${number(value)} ${unit}`;
+function withUnit(value, unit, digits) {
+  return value === null || value === undefined ? kNone : `${number(value, digits)} ${unit}`;
+}
+
+/**
+ * What is told of results side by side: [name, words of each, whether they differ]. Values that differ have as many digits as
+ * show it.
+ */
+export function resultRows(summaries) {
+  return kRows.map(([name, of]) => {
+    const words = (digits) => summaries.map((summary) => of(summary, digits));
+    for (let digits = kDigits; digits <= kMostDigits; ++digits) {
+      const told = words(digits);
+      if (new Set(told).size > 1) return [name, told, true];
+    }
+    return [name, words(kDigits), false];
+  });
 }
 
 /** What is not drawn as the trial's eyes saw it. */
@@ -37,10 +54,9 @@ export function showMissing({ json }) {
 export function resultTable(caption, columns) {
   const several = columns.length > 1;
   const whole = table(caption, ['What', ...columns.map(([heading]) => heading), ...(several ? ['Differs'] : [])],
-    kRows.map(([name, of]) => {
-      const cells = columns.map(([, trial]) => of(trial.json.summary));
-      const words = new Set(cells.map((cell) => cell.textContent ?? cell));
-      return [name, ...cells, ...(several ? [words.size > 1 ? 'yes' : 'no'] : [])];
+    resultRows(columns.map(([, trial]) => trial.json.summary)).map(([name, told, differs]) => {
+      const cells = name.endsWith('hash') ? told.map((hash) => make('code', {}, hash)) : told;
+      return [name, ...cells, ...(several ? [differs ? 'yes' : 'no'] : [])];
     }));
   whole.classList.add('whole');
   return whole;
@@ -125,37 +141,65 @@ export function differencesTable(differences, a, b) {
     : [table('What differs in the scenario', ['Key', a, b], differences.map((one) => [one.key, brief(one.a), brief(one.b)]))];
 }
 
-/** Units of the values of events, as docs/events.md has them. */
+/** Units of the values of events, as docs/events.md has them; '' of a number alone. */
 const kValueUnits = { release: 'm/s', first_contact: 'm/s', touch: 'm/s', ball_touch: 'm/s', hand_touch: 'm/s', missed_grab: 'm',
-  foul: 'm', flies_at_player: 's', passed_player: 'm', tracking_lost: 's', tracking_back: 's',
-  paused: 's', imported: 's' };
+  foul: 'm', flies_at_player: 's', passed_player: 'm', tracking_lost: 's', tracking_back: 's', paused: 's', imported: 's',
+  skittle_down: '', game: '', dead_wood: '', set_again: '', delivery: '', frame: '', game_over: '' };
 
-function valueOf(event) {
-  return event?.value ? `${number(event.value)} ${kValueUnits[event.kind] ?? ''}`.trim() : kNone;
+/** A value of 0 is one where the kind has values: a ball that felled nothing. */
+export function valueOf(event) {
+  const told = event && (event.value || Object.hasOwn(kValueUnits, event.kind));
+  return told ? `${number(event.value)} ${kValueUnits[event.kind] ?? ''}`.trim() : kNone;
 }
 
 function impulseOf(event) {
   return Math.hypot(...event.j) ? `${number(Math.hypot(...event.j))} N s` : kNone;
 }
 
+/** Indices [i, j] of ticks of two lists, each in order, that are nearest to each other and at most `most` apart. */
+function nearestPairs(a, b, most) {
+  const near = [];
+  let from = 0;
+  a.forEach((tick, i) => {
+    while (from < b.length && b[from] < tick - most) ++from;
+    for (let j = from; j < b.length && b[j] <= tick + most; ++j) near.push([Math.abs(b[j] - tick), i, j]);
+  });
+  near.sort(([one], [other]) => one - other);
+  const [ofA, ofB] = [new Set(), new Set()];
+  return near.flatMap(([, i, j]) => {
+    if (ofA.has(i) || ofB.has(j)) return [];
+    ofA.add(i);
+    ofB.add(j);
+    return [[i, j]];
+  });
+}
+
 /**
- * Events of two trials in one list. What happens to the same bodies in both within a second is one row.
+ * Events of two trials in one list. What happens to the same bodies in both within a second is one row, the nearest first.
  * @param rate  ticks a second of both
  */
 export function paired(a, b, rate) {
-  const nameOf = ({ kind, bodies }) => [kind, ...bodies].join();
-  const left = new Map();  // events of b that have no partner yet, in time
-  for (const event of b) {
-    if (!left.has(nameOf(event))) left.set(nameOf(event), []);
-    left.get(nameOf(event)).push(event);
+  const byName = (events) => {
+    const all = new Map();
+    for (const event of events) {
+      const name = [event.kind, ...event.bodies].join();
+      if (!all.has(name)) all.set(name, []);
+      all.get(name).push(event);
+    }
+    for (const alike of all.values()) alike.sort((one, other) => one.tick - other.tick);
+    return all;
+  };
+  const partner = new Map();  // event of a -> event of b
+  const others = byName(b);
+  for (const [name, alike] of byName(a)) {
+    const there = others.get(name) ?? [];
+    const ticks = (events) => events.map(({ tick }) => tick);
+    for (const [i, j] of nearestPairs(ticks(alike), ticks(there), rate)) partner.set(alike[i], there[j]);
   }
-  const rows = a.map((event) => {
-    const alike = left.get(nameOf(event)) ?? [];
-    const same = alike.findIndex(({ tick }) => Math.abs(tick - event.tick) <= rate);
-    return same < 0 ? { a: event } : { a: event, b: alike.splice(same, 1)[0] };
-  });
+  const taken = new Set(partner.values());
+  const rows = a.map((event) => (partner.has(event) ? { a: event, b: partner.get(event) } : { a: event }));
   const tick = ({ a: one, b: other }) => Math.min(one?.tick ?? Infinity, other?.tick ?? Infinity);
-  return rows.concat([...left.values()].flat().map((event) => ({ b: event }))).sort((one, other) => tick(one) - tick(other));
+  return rows.concat(b.filter((event) => !taken.has(event)).map((event) => ({ b: event }))).sort((one, other) => tick(one) - tick(other));
 }
 
 /**

@@ -2,31 +2,15 @@
 import uPlot from 'uplot';
 
 import { csvOf } from './csv.js';
+import { thinned } from './curves.js';
 import { find, make, number, table } from './elements.js';
 
 const kMostRows = 400;    // of a table
-const kMostPoints = 3000;  // of a curve, on a plot 1200 pixels wide
 const kDashes = [[], [8, 4], [2, 3], [10, 3, 2, 3], [5, 5], [1, 4]];
 const kMarkers = ['solid', 'dashed', 'dotted', 'dashed', 'dashed', 'dotted'];  // the nearest that CSS has
 
 function style(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-}
-
-/** Rows as a plot can show them: of each few, every curve keeps its least and its greatest value. */
-export function thinned({ times, curves }) {
-  const group = Math.ceil((2 * times.length) / kMostPoints);
-  if (group <= 2) return [times, ...curves.map(([, values]) => values)];
-  const rows = [];
-  for (let from = 0; from < times.length; from += group) rows.push([from, Math.min(from + group, times.length)]);
-  const ends = (values, pick) => rows.flatMap(([from, to]) => pick(values.subarray(from, to)));
-  return [
-    Float64Array.from(ends(times, (part) => [part[0], part[part.length - 1]])),
-    ...curves.map(([, values]) => Float64Array.from(ends(values, (part) => {
-      const [low, high] = [Math.min(...part), Math.max(...part)];
-      return part.indexOf(low) < part.indexOf(high) ? [low, high] : [high, low];
-    }))),
-  ];
 }
 
 /** What is plotted of a trial: name, unit, times, curves. */

@@ -5,7 +5,7 @@ export function number(value, digits = 3) {
   if (value === null || value === undefined || Number.isNaN(value)) return '–';
   if (Number.isInteger(value)) return String(value);
   return Math.abs(value) >= 1e5 || (value !== 0 && Math.abs(value) < 1e-3)
-    ? value.toExponential(2) : Number(value.toPrecision(digits)).toString();
+    ? value.toExponential(digits - 1) : Number(value.toPrecision(digits)).toString();
 }
 
 /** "9 of 10 skittles down"; of games, every score sheet. */
@@ -15,21 +15,21 @@ export function resultInBrief(summary) {
 }
 
 /** The number that all objects share, else each with its object's name. */
-function perObject(values) {
+function perObject(values, digits) {
   const all = Object.entries(values);
-  if (all.every(([, value]) => value === all[0][1])) return `${number(all[0][1])} each`;
-  return all.map(([name, value]) => `${name} ${number(value)}`).join(', ');
+  if (all.every(([, value]) => value === all[0][1])) return `${number(all[0][1], digits)} each`;
+  return all.map(([name, value]) => `${name} ${number(value, digits)}`).join(', ');
 }
 
-function inCondition(value) {
-  return typeof value === 'object' ? perObject(value) : value;
+function inCondition(value, digits) {
+  return typeof value === 'object' ? perObject(value, digits) : value;
 }
 
 /** Elasticity, friction or shape: of each version where they differ in it. */
-export function conditionInWords(summary, key) {
-  if (summary[key] !== null) return inCondition(summary[key]);
+export function conditionInWords(summary, key, digits) {
+  if (summary[key] !== null) return inCondition(summary[key], digits);
   return Object.entries(summary.versions).map(([name, version]) =>
-    `${name} ${inCondition(version[key])}`).join('; ');
+    `${name} ${inCondition(version[key], digits)}`).join('; ');
 }
 
 /** Of a version, all of its condition. */

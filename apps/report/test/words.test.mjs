@@ -3,6 +3,8 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 
 import { csvOf } from '../src/csv.js';
+import { thinned } from '../src/curves.js';
+import { paired, resultRows, valueOf } from '../src/facts.js';
 import { againInWords, conditionInWords, eyeInWords, firstDifferenceInWords, framesOf, hashInWords, headInWords, lostEnergy, number, resultInBrief,
   versionInWords, videoInWords } from '../src/words.js';
 
@@ -130,4 +132,63 @@ test('the pixels of a display are told, and that its lens is not drawn', () => {
   const eye = { width: 360, height: 240, pixel_aspect: 1.0795, lens: true };
   assert.match(eyeInWords(eye), /^360 × 240 pixels a picture, each 1\.08 times as wide as high.* without the distortion/);
   assert.doesNotMatch(eyeInWords({ ...eye, lens: false }), /lens/);
+});
+
+function whole(parts = {}) {
+  return summary({ release_speed_mps: 6.5512, impact_speed_mps: 4.84, response: 'paper', detection: 'x',
+    statistics: { impacts: 12, deepest_overlap_m: 0 }, ledger: { impact_j: -12.5 }, ...parts });
+}
+
+test('numbers that differ are told to differ, with the digits that show it', () => {
+  const rows = (parts) => new Map(resultRows([whole(), whole(parts)]).map(([name, ...told]) => [name, told]));
+  assert.deepEqual(rows({}).get('Ball at release'), [['6.55 m/s', '6.55 m/s'], false]);
+  assert.deepEqual(rows({ release_speed_mps: 6.5549 }).get('Ball at release'), [['6.551 m/s', '6.555 m/s'], true]);
+  const last = rows({ impact_speed_mps: 4.840000000000001 }).get('Ball at the first skittle');
+  assert.deepEqual(last, [['4.84 m/s', '4.840000000000001 m/s'], true]);
+  assert.deepEqual(rows({ friction: each(0.7001) }).get('Friction'), [['0.7 each', '0.7001 each'], true]);
+  assert.deepEqual(rows({ ledger: { impact_j: -12.51 } }).get('Energy lost in impacts'), [['12.5 J', '12.51 J'], true]);
+  assert.equal(rows({ game_hash: 'cccc' }).get('Game hash')[1], true);
+  assert.deepEqual(resultRows([whole()]).map(([, told, differs]) => [told.length, differs]), resultRows([whole()]).map(() => [1, false]));
+});
+
+test('an event has its value of 0 where its kind has values', () => {
+  const of = (kind, value) => valueOf({ kind, value });
+  assert.equal(of('delivery', 0), '0');
+  assert.equal(of('game_over', 0), '0');
+  assert.equal(of('release', 0), '0 m/s');
+  assert.equal(of('release', 6.55), '6.55 m/s');
+  assert.equal(of('grab', 0), '–');
+  assert.equal(of('constructor', 0), '–');
+  assert.equal(valueOf(undefined), '–');
+});
+
+test('what is thinned keeps its extremes at their own times, in order', () => {
+  const n = 20_000;
+  // Events with pauses: a burst, a minute of nothing, a burst.
+  const times = Float64Array.from({ length: n }, (_, i) => i * 1e-3 + (i < n / 2 + 3 ? 0 : 60));
+  const wave = (k) => Float64Array.from(times, (_, i) => ((i * k) % 9973) + 1);
+  const curves = [['a', wave(7)], ['b', wave(31)]];
+  const [at, ...values] = thinned({ times, curves });
+  assert.ok(at.length <= 3002 && at.length > 1000, `${at.length}`);
+  assert.ok(at.every((time, i) => i === 0 || time > at[i - 1]));
+  const rowOf = new Map(Array.from(times, (time, i) => [time, i]));
+  values.forEach((column, which) => column.forEach((value, i) => assert.equal(value, curves[which][1][rowOf.get(at[i])])));
+  curves.forEach(([, all], which) => {
+    assert.equal(Math.max(...values[which]), Math.max(...all));
+    assert.equal(Math.min(...values[which]), Math.min(...all));
+  });
+  assert.deepEqual([at[0], at[at.length - 1]], [times[0], times[n - 1]]);
+  const few = { times: [0, 1], curves: [['a', [2, 3]]] };
+  assert.deepEqual(thinned(few), [[0, 1], [2, 3]]);
+  const gaps = thinned({ times, curves: [['a', new Float64Array(n).fill(NaN)]] });
+  assert.ok(gaps[0].length > 0 && gaps[1].every(Number.isNaN));
+});
+
+test('events of two trials are paired with the nearest', () => {
+  const at = (tick, kind = 'touch', bodies = ['ball', 'lane']) => ({ tick, kind, bodies });
+  const ticks = (rows) => rows.map(({ a, b }) => [a?.tick, b?.tick]);
+  assert.deepEqual(ticks(paired([at(300)], [at(100), at(290), at(305)], 240)), [[undefined, 100], [undefined, 290], [300, 305]]);
+  assert.deepEqual(ticks(paired([at(100), at(200)], [at(195)], 240)), [[100, undefined], [200, 195]]);
+  assert.deepEqual(ticks(paired([at(100)], [at(341)], 240)), [[100, undefined], [undefined, 341]]);
+  assert.deepEqual(ticks(paired([at(100)], [at(100, 'touch', ['ball', 'wall'])], 240)), [[100, undefined], [undefined, 100]]);
 });
