@@ -12,11 +12,15 @@
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "apps/study_people.h"
+#include "apps/study_play.h"
 #include "base/input_file.h"
 #include "base/left_parts.h"
 #include "base/output_file.h"
 #include "devices/base/version.h"
 #include "scene/play/game_hash.h"
+#include "scene/record/events.h"
+#include "scene/record/outside.h"
+#include "scene/scenario/files.h"
 #include "scene/watch/recorded.h"
 #include "scene/watch/verifier.h"
 #include "study/bids.h"
@@ -187,9 +191,40 @@ void write_simulated(Dataset& dataset, const scene::Recorded& recorded, const st
   for (const auto& [name, text] : simulated.files(session)) dataset.write(name, text);
 }
 
+/// Names a mesh file by what it is of, unless it is a bundled one: paths have names of people.
+void rename_mesh(scene::MeshFile& mesh, const std::string& of) {
+  if (mesh.file.empty()) return;
+  const fs::path name = fs::path(mesh.file).filename();
+  std::error_code none;
+  const bool bundled = std::ranges::any_of(scene::data_folders(), [&](const fs::path& data) {
+    return fs::exists(data / "meshes" / name, none);
+  });
+  mesh.file = bundled ? name.string() : of + "-mesh" + name.extension().string();
+}
+
+/// The text of a scenario without the comments of its trial, and without the places of its meshes.
+std::string scenario_without_names(scene::Scenario scenario) {
+  rename_mesh(scenario.room.mesh, "room");
+  rename_mesh(scenario.skittle.mesh, "skittle");
+  rename_mesh(scenario.ball.mesh, "ball");
+  rename_mesh(scenario.hand.mesh, "hand");
+  for (scene::SkittlePart& part : scenario.skittle.parts) rename_mesh(part.mesh, "skittle-part");
+  return scene::to_toml(scenario);
+}
+
+/// Empties what events from outside the simulation say: names of files, devices and programs, and of an
+/// imported recording its first time stamp, which may be a date.
+void remove_names(std::vector<scene::Event>& events) {
+  for (scene::Event& event : events) {
+    if (!scene::is_outside(event.tick, event.kind)) continue;
+    if (event.kind == scene::kind::imported) event.value = 0.0;
+    if (!event.detail.get_if<scene::KeptPace>()) event.detail = {};
+  }
+}
+
 /// Writes one participant's session; simulates it again for the bodies.
 Traits write_session(Dataset& dataset, const Study& study, const study::Person& person,
-                     const std::string& subject) {
+                     const std::string& subject, bool deidentify) {
   const fs::path path = study.at.sessions(person.planned.id) / (person.played.run + ".lcmlog");
   const scene::Recorded recorded = scene::load_trial(path.string());
   const scene::TrialSummary& trial = recorded.file.summary();
@@ -198,6 +233,11 @@ Traits write_session(Dataset& dataset, const Study& study, const study::Person& 
   study::BidsSession session{subject,      person.played.run.substr(4),
                              &header,      samples_of(recorded),
                              trial.events, recorded.scenario.rig.X_WT.q};
+  if (deidentify) {
+    header.condition = condition_of(study, person.planned);
+    header.scenario = scenario_without_names(recorded.scenario);
+    remove_names(session.events);
+  }
   for (const auto& [name, text] : study::session_files(session)) dataset.write(name, text);
   write_simulated(dataset, recorded, path.string(), person.played.replays, session);
   return traits_of(recorded, session.samples);
@@ -237,7 +277,7 @@ void export_study(const ExportStudyOptions& options) {
   for (std::size_t i = 0; i < people.size(); ++i) {
     study::Person& person = people[i];
     const std::string& subject = subjects[i];
-    const Traits traits = write_session(dataset, study, person, subject);
+    const Traits traits = write_session(dataset, study, person, subject, options.deidentify);
     if (!options.deidentify) copy_trial(dataset, study, person, subject);
     dataset.require_own("sub-" + subject);
     dataset.require_own("sourcedata/sub-" + subject);
@@ -272,9 +312,10 @@ void add_experiment_export(CLI::App& group) {
   const auto options = std::make_shared<ExportStudyOptions>();
   add_study(*command, options->study);
   add_output(*command, "--motion-bids", options->output, "folder for the dataset", {})->required();
-  command->add_flag("--deidentify", options->deidentify,
-                    "write numbers instead of names, leave out the trials (they contain the date), "
-                    "and list what the motion data still reveal");
+  command->add_flag(
+      "--deidentify", options->deidentify,
+      "write numbers instead of names, leave out the trials (they contain the date) and "
+      "what events say of files and devices, and list what the motion data still reveal");
   command->add_option("--jobs", options->jobs, "number of sessions to process in parallel")
       ->check(whole_number_from(1, 256))
       ->capture_default_str();
