@@ -16,6 +16,17 @@ void refuse_others(const study::Answers& there, const study::Answers& others,
                    const std::string& from, const std::filesystem::path& path,
                    const std::string& id);
 
+/// The answers in a participant's file, only read; none without a file. A last line that is torn, as a
+/// crash leaves it, is left out, and said.
+/// @throws std::invalid_argument  as study::parse_answers()
+study::Answers answers_of(const Study& study, const std::string& id);
+
+/// Whether a person has begun a session of the participant, whose answers are then a person's too.
+bool plays_as_person(const Study& study, const std::string& id);
+
+/// Leaves those that a person gave.
+void leave_out_drawn(study::Answers& answers);
+
 /// The file of a participant's answers; answers can be added.
 class AnswerFile {
  public:
@@ -23,6 +34,10 @@ class AnswerFile {
   /// @throws std::runtime_error     when it cannot be opened, or has no commas
   /// @throws std::invalid_argument  as study::parse_answers()
   AnswerFile(const Study& study, const std::string& id);
+
+  /// Moves drawn answers to a file of their own, answers/NAME.drawn, and says so: then a person's can be
+  /// given.
+  void set_drawn_aside();
 
   /// Adds new answers, all or none.
   void add(const study::Answers& more);

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <limits>
 #include <set>
+#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -17,6 +19,7 @@
 #include "scene/record/file.h"
 #include "scene/scenario/files.h"
 #include "scene/stage/read_scenario.h"
+#include "study/csv.h"
 
 namespace headpin::apps {
 
@@ -188,7 +191,10 @@ std::vector<Run> runs_of(const Study& study, const std::string& id) {
     const std::string name = path.filename().string();
     if (name.starts_with("run-") && name.ends_with(".lcmlog")) paths.push_back(path);
   }
-  std::ranges::sort(paths);
+  std::ranges::sort(paths, {}, [](const fs::path& path) {  // run-100 behind run-99
+    const auto number = study::whole_in(path.stem().string().substr(4));
+    return std::pair(number.value_or(std::numeric_limits<int>::max()), path);
+  });
   std::vector<Run> runs;
   for (const fs::path& path : paths) runs.push_back(look_into(study, who, path));
   return runs;

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/answer_file.h"
 #include "apps/command.h"
 #include "apps/options.h"
 #include "apps/stop.h"
@@ -88,12 +89,6 @@ study::Person person_of(const Study& study, const study::PlannedParticipant& pla
 }
 
 }  // namespace
-
-study::Answers answers_of(const Study& study, const std::string& id) {
-  const fs::path path = study.at.answers(id);
-  if (!fs::exists(path)) return {};
-  return study::parse_answers(read_study_file(path), path.string(), study.questions, id);
-}
 
 std::vector<study::Person> people_of(const Study& study, int jobs) {
   const auto replaced = study::replaced(study.plan);

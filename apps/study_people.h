@@ -15,8 +15,6 @@ namespace headpin::apps {
 /// @throws std::invalid_argument  for answers that cannot be, naming file and line
 std::vector<study::Person> people_of(const Study& study, int jobs);
 
-study::Answers answers_of(const Study& study, const std::string& id);
-
 /// The participants in the tables.
 struct Counted {
   std::vector<study::Person> people;

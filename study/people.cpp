@@ -21,6 +21,10 @@ std::string yes_no(bool yes) {
   return yes ? "yes" : "no";
 }
 
+bool any_drawn(const Answers& answers) {
+  return std::ranges::any_of(answers, [](const Answer& one) { return one.source == kDrawn; });
+}
+
 /// Whether the changed version was played first; nothing if none was played.
 std::optional<bool> played_changed_first(const Person& p) {
   const auto& order = p.played.measures.order;
@@ -37,7 +41,8 @@ void add_plan(const Design& design, const Questionnaire& questions, std::vector<
     all.push_back({{name, kind, "", meaning}, value});
   };
   text("participant", "text", "name", [](const Person& p) { return p.planned.id; });
-  text("virtual", "yes/no", "a virtual participant played, or answers were drawn from a model",
+  text("virtual", "yes/no",
+       "a virtual participant played, or nobody, and answers were drawn from a model",
        [](const Person& p) { return yes_no(p.is_virtual()); });
   text("counts", "yes/no", "whether tables and model include the participant",
        [=](const Person& p) { return yes_no(why_not(design, questions, p).empty()); });
@@ -168,8 +173,7 @@ std::vector<Filled> columns_of(const Design& design, const Questionnaire& questi
 }  // namespace
 
 bool Person::is_virtual() const {
-  return played.is_virtual ||
-         std::ranges::any_of(answers, [](const Answer& answer) { return answer.source == kDrawn; });
+  return played.run.empty() ? played.is_virtual || any_drawn(answers) : played.is_virtual;
 }
 
 bool is_in_other_order(const Person& person) {
@@ -183,6 +187,9 @@ std::string why_not(const Design& design, const Questionnaire& questions, const 
   const bool played_in_vain = person.played.run.empty() && person.played.runs > 0;
   if (played_in_vain) return "no session that counts: " + person.played.why_not;
   if (person.played.run.empty() && !drawn) return "no session that counts";
+  if (!person.is_virtual() && any_drawn(person.answers)) {
+    return "a person's session with drawn answers";
+  }
   if (!missing(questions, person.answers).empty()) return "questions not answered";
   if (!score_of(questions, person.answers)) return "no answer to a scored item";
   if (!values_of(design, person.planned.allotted, person.answers)) {

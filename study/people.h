@@ -32,7 +32,8 @@ struct Person {
   Answers answers;
   Played played;
 
-  bool is_virtual() const;  ///< a virtual participant played a session, or an answer was drawn
+  /// A virtual participant played the session that counts, or nobody did, and an answer was drawn.
+  bool is_virtual() const;
 };
 
 /// Whether a session was played in another order than the plan has. It counts all the same.

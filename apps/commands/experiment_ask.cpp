@@ -61,6 +61,7 @@ void ask_participant(const Study& study, const AskOptions& options) {
                                  fmt::join(languages, ", "), language));
   }
   AnswerFile file(study, id);
+  if (plays_as_person(study, id)) file.set_drawn_aside();
   const auto& items = study.questions.items;
   const auto open = study::missing(study.questions, file.answers);
   if (open.size() < items.size()) {
@@ -89,12 +90,16 @@ void take_forms(const Study& study, const AskOptions& options) {
   const auto forms =
       study::parse_forms(read_study_file(options.from), options.from, study.questions, names);
   for (const auto& [id, answers] : forms) {
-    refuse_others(answers_of(study, id), answers, options.from, study.at.answers(id), id);
+    study::Answers there = answers_of(study, id);
+    if (plays_as_person(study, id)) leave_out_drawn(there);
+    refuse_others(there, answers, options.from, study.at.answers(id), id);
   }
   std::size_t added = 0;
   for (const auto& [id, answers] : forms) {
     check_stop();
-    added += AnswerFile(study, id).add_all(answers, options.from);
+    AnswerFile file(study, id);
+    if (plays_as_person(study, id)) file.set_drawn_aside();
+    added += file.add_all(answers, options.from);
   }
   if (options.json) return print_json({{"participants", forms.size()}, {"new_answers", added}});
   fmt::print("{}: forms of {} participants, {} new answers\n", options.from, forms.size(), added);

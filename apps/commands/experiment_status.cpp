@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/answer_file.h"
 #include "apps/experiment.h"
 #include "apps/options.h"
 #include "apps/streams.h"
@@ -29,6 +30,7 @@ struct HowFar {
   std::vector<Run> runs;
   std::size_t missing;  ///< number of missing answers
   std::string replaced_by;
+  bool drawn_for_person = false;  ///< there are drawn answers, which do not count: a person plays
 };
 
 std::string played_in_words(const Study& study, const HowFar& one) {
@@ -50,9 +52,15 @@ std::vector<HowFar> steps_done(const Study& study) {
   std::vector<HowFar> all;
   for (const study::PlannedParticipant& one : study.plan) {
     const auto by = replaced.find(one.id);
-    all.push_back({&one, runs_of(study, one.id),
-                   study::missing(study.questions, answers_of(study, one.id)).size(),
-                   by == replaced.end() ? "" : by->second});
+    HowFar far{&one, runs_of(study, one.id), 0, by == replaced.end() ? "" : by->second};
+    study::Answers answers = answers_of(study, one.id);
+    if (of_person(far.runs)) {
+      const std::size_t before = answers.size();
+      leave_out_drawn(answers);
+      far.drawn_for_person = answers.size() < before;
+    }
+    far.missing = study::missing(study.questions, answers).size();
+    all.push_back(std::move(far));
   }
   return all;
 }
@@ -121,10 +129,11 @@ void tell_status(const StatusOptions& options) {
              "answers", "played");
   for (const HowFar& one : all) {
     const std::size_t asked = study.questions.items.size();
-    fmt::print("{:<12}{:<6}{:<12}{:<10}{}{}\n", one.planned->id,
+    fmt::print("{:<12}{:<6}{:<12}{:<10}{}{}{}\n", one.planned->id,
                study::cell_of(study.design, *one.planned),
                study::changed_key_of(study.design, *one.planned),
                fmt::format("{} of {}", asked - one.missing, asked), played_in_words(study, one),
+               one.drawn_for_person ? ", a person's, with drawn answers" : "",
                one.replaced_by.empty() ? "" : ", replaced by " + one.replaced_by);
   }
   if (!next.empty()) fmt::print("next: {}\n", next);

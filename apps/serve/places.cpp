@@ -67,7 +67,9 @@ Place place_of(const Study& study, const study::PlannedParticipant& who) {
   };
   place.answer = [&study, id](const nlohmann::json& given) {
     const study::Answers answers = answers_in(given, study.questions);
-    AnswerFile(study, id).add_all(answers, "the page");
+    AnswerFile file(study, id);
+    file.set_drawn_aside();  // whoever has the link is a person
+    file.add_all(answers, "the page");
   };
   return place;
 }

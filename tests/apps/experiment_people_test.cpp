@@ -81,5 +81,72 @@ TEST_F(StudyPeople, ADeidentifiedExportHasNoNamesOfFilesAndDevices) {
             json("replay --json study/sessions/p001/run-01.lcmlog")["game_hash"]);
 }
 
+// Answers of everybody may be drawn to try a study out, and somebody plays then.
+TEST_F(StudyPeople, DrawnAnswersOfAPersonAreSetAsideForTheRealOnes) {
+  plan(3);
+  ASSERT_EQ(headpin("experiment ask study --all --virtual").code, 0);
+  const std::string drawn = slurp(folder_ / "study/answers/p001.csv");
+  play("p001");
+  play("p002");
+  const nlohmann::json scored = json("experiment score study --json");
+  EXPECT_EQ(scored["counted"], 1);
+  EXPECT_EQ(scored["of_virtual"], "yes");
+  EXPECT_EQ(scored["not_counted"][0]["why_not"], "a person's session with drawn answers");
+  EXPECT_THAT(slurp(folder_ / "study/tables/participants.csv"), HasSubstr("\np001,no,no,"));
+  const nlohmann::json status = json("experiment status study --json");
+  EXPECT_EQ(status["participants"][0]["answers"], 0);
+  EXPECT_EQ(status["participants"][2]["answers"], 11);
+  EXPECT_EQ(status["next"], "headpin experiment ask study --participant p001");
+  EXPECT_THAT(headpin("experiment status study").out,
+              HasSubstr(", a person's, with drawn answers"));
+  spit(folder_ / "f.csv",
+       "participant,presence1,presence2,presence3,presence4,presence5,presence6,"
+       "sick,noticed,vrbefore,sex,occupation\np001,6,7,5,1,6,4,2,yes,no,female,student\n");
+  const Result form = headpin("experiment ask study --from f.csv --json");
+  ASSERT_EQ(form.code, 0) << form.err;
+  EXPECT_EQ(nlohmann::json::parse(form.out)["new_answers"], 11);
+  EXPECT_THAT(
+      form.err,
+      HasSubstr("a person plays p001; 11 drawn answers are kept in study/answers/p001.drawn"));
+  EXPECT_EQ(slurp(folder_ / "study/answers/p001.drawn"), drawn);
+  EXPECT_THAT(slurp(folder_ / "study/answers/p001.csv"), testing::Not(HasSubstr("drawn")));
+  const Result asked = headpin("experiment ask study --participant p002");  // goes away at once
+  EXPECT_EQ(asked.code, 1);
+  EXPECT_THAT(asked.err, HasSubstr("11 drawn answers are kept in study/answers/p002.drawn"));
+  EXPECT_EQ(slurp(folder_ / "study/answers/p002.csv"), "participant,item,answer,source\n");
+  EXPECT_EQ(json("experiment score study --only people --json")["counted"], 1);
+  EXPECT_THAT(slurp(folder_ / "study/tables/participants.csv"), HasSubstr("\np001,no,yes,"));
+}
+
+TEST_F(StudyPeople, ATornLastAnswerStopsNoCommand) {
+  plan(1);
+  fs::create_directories(folder_ / "study/answers");
+  const fs::path answers = folder_ / "study/answers/p001.csv";
+  const std::string whole = "participant,item,answer,source\np001,presence1,6,asked\n";
+  spit(answers, whole + "p001,sick,5,as");
+  for (const char* command : {"status study", "score study"}) {
+    const Result read = headpin(std::string("experiment ") + command);
+    EXPECT_EQ(read.code, 0) << read.err;
+    EXPECT_THAT(read.err, HasSubstr("as a crash leaves it; left out: p001,sick,5,as\n"));
+  }
+  EXPECT_EQ(slurp(answers), whole + "p001,sick,5,as");
+  EXPECT_EQ(json("experiment status study --json")["participants"][0]["answers"], 1);
+  spit(folder_ / "f.csv", "participant,item,answer\np001,presence2,3\n");
+  EXPECT_EQ(headpin("experiment ask study --from f.csv").code, 0);
+  EXPECT_EQ(slurp(answers), whole + "p001,presence2,3,form\n");
+  // A spreadsheet's last line is whole, whatever its end.
+  spit(answers, "participant;item;answer;source\np001;presence1;6;asked\np001;sick;5;asked");
+  EXPECT_EQ(json("experiment status study --json")["participants"][0]["answers"], 2);
+}
+
+TEST_F(StudyPeople, TheHundredthRunComesAfterTheNinetyNinth) {
+  plan(1);
+  play("p001");
+  const fs::path runs = folder_ / "study/sessions/p001";
+  fs::copy_file(runs / "run-01.lcmlog", runs / "run-100.lcmlog");
+  fs::rename(runs / "run-01.lcmlog", runs / "run-99.lcmlog");
+  EXPECT_EQ(json("experiment status study --json")["participants"][0]["run"], "run-99");
+}
+
 }  // namespace
 }  // namespace headpin

@@ -345,5 +345,26 @@ TEST_F(Serve, RefusesInWords) {
                  "Address already in use");
 }
 
+TEST_F(Serve, AnswersOfAGuestAreKeptWhereSomeHadBeenDrawn) {
+  ASSERT_EQ(headpin("experiment plan -o study --people 1").code, 0);
+  ASSERT_EQ(headpin("experiment ask study --all --virtual").code, 0);
+  const std::string drawn = slurp(folder_ / "study/answers/p001.csv");
+  start("study --links 1");
+  EXPECT_EQ(post(links_[0], "begin").status, 200);
+  EXPECT_EQ(post(links_[0], "log?at=0", slurp(kDemoLog)).status, 200);
+  nlohmann::json answers;
+  for (int i = 1; i <= 6; ++i) answers[fmt::format("presence{}", i)] = "6";
+  for (const char* item : {"sick", "noticed", "vrbefore", "sex", "occupation"}) {
+    answers[item] = "n/a";
+  }
+  const Reply stored = post(links_[0], "answers", answers.dump());
+  EXPECT_EQ(stored.status, 200) << stored.body;
+  EXPECT_EQ(stop(), 0);
+  const std::string given = slurp(folder_ / "study/answers/p001.csv");
+  EXPECT_THAT(given, HasSubstr("p001,occupation,n/a,asked\n"));
+  EXPECT_THAT(given, testing::Not(HasSubstr("drawn")));
+  EXPECT_EQ(slurp(folder_ / "study/answers/p001.drawn"), drawn);
+}
+
 }  // namespace
 }  // namespace headpin

@@ -230,5 +230,21 @@ TEST_F(DrawnAnswers, WhoDoesNotCountSaysWhy) {
   EXPECT_EQ(why_not(design_, questions_, other), "no answer to an item of the model");
 }
 
+// Answers may be drawn before somebody plays: then they are nobody's.
+TEST_F(DrawnAnswers, DoNotCountBesideAPersonsSession) {
+  Person one = drawn(1, 3)[0];
+  EXPECT_TRUE(one.is_virtual());
+  one.played.run = "run-01";
+  EXPECT_FALSE(one.is_virtual());
+  EXPECT_EQ(why_not(design_, questions_, one), "a person's session with drawn answers");
+  for (Answer& answer : one.answers) {
+    if (answer.item != "sick") answer.source = kForm;
+  }
+  EXPECT_EQ(why_not(design_, questions_, one), "a person's session with drawn answers");
+  one.played.is_virtual = true;
+  EXPECT_TRUE(one.is_virtual());
+  EXPECT_EQ(why_not(design_, questions_, one), "");
+}
+
 }  // namespace
 }  // namespace headpin::study
