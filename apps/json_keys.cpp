@@ -360,6 +360,8 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"sheet", "score sheet as text"},
     {"simulated", "number of rows of a sweep that this run simulated"},
     {"simulated_from_s", "time at which the simulation began: a snapshot of the trial, or 0"},
+    {"simulated_otherwise",
+     "participants whose session is simulated otherwise than it was recorded; they count"},
     {"simulated_s", "simulated time"},
     {"size", "size of a difference, in the unit of its quantity"},
     {"skid_end_m", "distance until which a ball skidded"},

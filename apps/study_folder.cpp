@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "apps/command.h"
+#include "apps/streams.h"
 #include "base/input_file.h"
 #include "base/lock.h"
 #include "scene/record/events.h"
@@ -130,6 +131,35 @@ std::set<std::string> names_with_data(const StudyFolder& at) {
     if (path.extension() == ".csv") names.insert(path.stem().string());
   }
   return names;
+}
+
+std::set<std::string> not_in_plan(const Study& study) {
+  std::set<std::string> names = names_with_data(study.at);
+  for (const study::PlannedParticipant& one : study.plan) names.erase(one.id);
+  std::erase_if(names, [](const std::string& name) { return name.starts_with('.'); });
+  return names;
+}
+
+void say_not_in_plan(const Study& study) {
+  for (const std::string& name : not_in_plan(study)) {
+    say("{}: {} has sessions or answers but is not in the plan\n", study.at.plan().string(),
+        study::shown(name));
+  }
+}
+
+fs::file_time_type last_change(const Study& study) {
+  fs::file_time_type last =
+      std::max(fs::last_write_time(study.at.plan()), fs::last_write_time(study.at.questionnaire()));
+  for (const auto& [folder, extension] :
+       {std::pair("answers", ".csv"), std::pair("sessions", ".lcmlog")}) {
+    if (!fs::exists(study.at.root / folder)) continue;
+    for (const auto& entry : fs::recursive_directory_iterator(study.at.root / folder)) {
+      if (entry.is_regular_file() && entry.path().extension() == extension) {
+        last = std::max(last, entry.last_write_time());
+      }
+    }
+  }
+  return last;
 }
 
 const study::PlannedParticipant& planned(const Study& study, const std::string& id) {

@@ -45,6 +45,15 @@ Study open_study(const std::string& folder);
 /// @throws std::filesystem::filesystem_error  for a folder that cannot be read
 std::set<std::string> names_with_data(const StudyFolder& at);
 
+/// The names of them that are not in the plan: of rows that were deleted, or of a plan that was lost.
+std::set<std::string> not_in_plan(const Study& study);
+
+/// Says on standard error which names have data and are not in the plan.
+void say_not_in_plan(const Study& study);
+
+/// When plan, questionnaire, recordings or answers were changed last.
+std::filesystem::file_time_type last_change(const Study& study);
+
 /// The row of the plan.
 /// @throws UsageError  for a name that is not in it
 const study::PlannedParticipant& planned(const Study& study, const std::string& id);

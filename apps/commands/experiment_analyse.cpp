@@ -66,14 +66,20 @@ std::string whom(const study::CsvTable& people, const Mixing& mixing) {
   return "all";
 }
 
-/// Says so if the table has other participants than the plan has by now.
-void compare_with_plan(const Study& study, const study::CsvTable& people) {
+/// Says so if the table has other participants than the plan has by now, or is older than what it is of.
+void say_outdated(const Study& study, const study::CsvTable& people) {
   std::set<std::string> in_plan, in_table;
   for (const study::PlannedParticipant& one : study.plan) in_plan.insert(one.id);
   for (const study::CsvRow& row : people.rows) in_table.insert(people.cell(row, "participant"));
   std::vector<std::string> others;
   std::ranges::set_symmetric_difference(in_plan, in_table, std::back_inserter(others));
-  if (others.empty()) return;
+  if (others.empty()) {
+    if (fs::last_write_time(people.where) >= last_change(study)) return;
+    say("{}: is older than the newest of plan, questionnaire, sessions and answers; `headpin "
+        "experiment score {}` writes it again\n",
+        people.where, base::typed_word(study.at.root.string()));
+    return;
+  }
   say("{}: expected the participants of {}, found others ({} is only in {}); `headpin experiment "
       "score {}` writes it again\n",
       people.where, study.at.plan().string(), study::shown(others[0]),
@@ -192,7 +198,7 @@ void analyse(const AnalyseOptions& options) {
   }
   const std::string table = read_study_file(people);
   const study::CsvTable rows = study::parse_csv(table, people.string());
-  compare_with_plan(study, rows);
+  say_outdated(study, rows);
   const std::string who = whom(rows, options.mixing);
   const fs::path script = study.at.root / "model.R";
   const StudyLock lock(study.at.questionnaire(), "analysing this study");

@@ -115,6 +115,17 @@ void refuse_other_design(const Study& study, const PlanOptions& options) {
   }
 }
 
+/// Refuses to make a lost plan again without somebody who has played or answered: it would also forget
+/// who was replaced.
+void require_everybody(const Study& study) {
+  const std::set<std::string> others = not_in_plan(study);
+  if (others.empty()) return;
+  throw std::runtime_error(fmt::format(
+      "{}: has no participants, and {} has sessions or answers but would not be in a new plan of {}; "
+      "expected a copy of the plan that was lost, or --people with all of them",
+      study.at.plan().string(), study::shown(*others.begin()), study.plan.size()));
+}
+
 void print_plan(const Study& study, std::size_t before) {
   std::map<std::pair<std::string, std::string>, int> rows;
   const auto replaced = study::replaced(study.plan);
@@ -161,6 +172,7 @@ void plan_study(const PlanOptions& options) {
   } catch (const std::invalid_argument& error) {
     throw UsageError(fmt::format("{}: {}", at.plan().string(), error.what()));
   }
+  if (before == 0) require_everybody(study);
   if (study.plan.size() != before) {
     const study::CsvTable old =
         study::parse_csv(read_study_file(study.at.plan()), study.at.plan().string());
@@ -168,6 +180,7 @@ void plan_study(const PlanOptions& options) {
     check_stop();
     base::write_text({at.plan().string(), {.overwrite = true}}, plan);
   }
+  say_not_in_plan(study);
   if (options.json) {
     return print_json({{"output", at.root.string()},
                        {"participants", study.plan.size()},

@@ -53,18 +53,20 @@ void write_tables(const Study& study, const std::vector<study::Person>& people,
 void score(const ScoreOptions& options) {
   watch_stop_signals();
   const Study study = open_study(options.study);
+  say_not_in_plan(study);
   const std::vector<study::Person> people = people_of(study, options.jobs);
   const Counted counted = counted_of(study, people, options.mixing);
   const std::vector<study::Table> tables =
       study::paper_tables(study.design, study.questions, counted.people, counted.of);
   write_tables(study, people, tables);
   nlohmann::ordered_json not_counted = nlohmann::ordered_json::array();
-  std::vector<std::string> other_order, not_played;
+  std::vector<std::string> other_order, not_played, otherwise;
   for (const study::Person& person : people) {
     const std::string why = study::why_not(study.design, study.questions, person);
     if (!why.empty()) not_counted.push_back({{"participant", person.planned.id}, {"why_not", why}});
     if (why.empty() && person.played.run.empty()) not_played.push_back(person.planned.id);
     if (study::is_in_other_order(person)) other_order.push_back(person.planned.id);
+    if (!person.played.replays) otherwise.push_back(person.planned.id);
   }
   if (options.json) {
     return print_json({{"output", (study.at.root / "tables").string()},
@@ -73,7 +75,8 @@ void score(const ScoreOptions& options) {
                        {"of_virtual", counted.of},
                        {"not_counted", not_counted},
                        {"not_played", not_played},
-                       {"other_order", other_order}});
+                       {"other_order", other_order},
+                       {"simulated_otherwise", otherwise}});
   }
   fmt::print("{} of {} participants count{}\n", counted.people.size(), people.size(),
              counted.of == "no"    ? ""
@@ -89,6 +92,10 @@ void score(const ScoreOptions& options) {
   if (!other_order.empty()) {
     fmt::print("  played in another order than planned: {} (see planned_first and played_first)\n",
                fmt::join(other_order, ", "));
+  }
+  if (!otherwise.empty()) {
+    fmt::print("  simulated otherwise than recorded: {} (see replays)\n",
+               fmt::join(otherwise, ", "));
   }
   for (const study::Table& table : tables) {
     fmt::print("\n{}: {}", table.name, study::in_words(table));

@@ -79,10 +79,7 @@ fs::file_time_type newest_of(const fs::path& folder) {
 std::string next_step(const Study& study) {
   const fs::path& root = study.at.root;
   const auto tables = newest_of(root / "tables");
-  const auto sources = {newest_of(root / "answers"), newest_of(root / "sessions"),
-                        fs::last_write_time(study.at.plan()),
-                        fs::last_write_time(study.at.questionnaire())};
-  if (tables < std::max(sources)) return "score";
+  if (tables < last_change(study)) return "score";
   return newest_of(root / "analysis") < tables ? "analyse" : "";
 }
 
@@ -106,6 +103,7 @@ std::string next_command(const Study& study, const std::vector<HowFar>& all) {
 
 void tell_status(const StatusOptions& options) {
   const Study study = open_study(options.study);
+  say_not_in_plan(study);
   const std::vector<HowFar> all = steps_done(study);
   const std::string next = next_command(study, all);
   if (options.json) {

@@ -1,5 +1,7 @@
 // Who of a study is a person: names that stay inside, answers, and what is not in the plan.
 
+#include <chrono>
+
 #include <fmt/format.h>
 
 #include "scene/record/events.h"
@@ -146,6 +148,79 @@ TEST_F(StudyPeople, TheHundredthRunComesAfterTheNinetyNinth) {
   fs::copy_file(runs / "run-01.lcmlog", runs / "run-100.lcmlog");
   fs::rename(runs / "run-01.lcmlog", runs / "run-99.lcmlog");
   EXPECT_EQ(json("experiment status study --json")["participants"][0]["run"], "run-99");
+}
+
+// The plan alone says who was replaced.
+TEST_F(StudyPeople, ALostPlanIsNotMadeAgainWithoutThoseWhoHaveReplacedOthers) {
+  plan(2);
+  play("p001");
+  ASSERT_EQ(headpin("experiment plan -o study --replace p001").code, 0);
+  play("p003");
+  const fs::path path = folder_ / "study/plan.csv";
+  const std::string whole = slurp(path);
+  const std::string says = "study/plan.csv: p003 has sessions or answers but is not in the plan\n";
+  for (const char* command : {"plan -o study", "status study", "score study"}) {
+    const Result known = headpin(std::string("experiment ") + command);
+    EXPECT_EQ(known.code, 0) << known.err;
+    EXPECT_THAT(known.err, testing::Not(HasSubstr("not in the plan"))) << command;
+  }
+  // A row that was deleted by hand.
+  spit(path, whole.substr(0, whole.find("\np003,") + 1));
+  for (const char* command : {"plan -o study", "status study", "score study"}) {
+    const Result known = headpin(std::string("experiment ") + command);
+    EXPECT_EQ(known.code, 0) << known.err;
+    EXPECT_THAT(known.err, HasSubstr(says)) << command;
+  }
+  // All of them.
+  for (const std::string& left : {whole.substr(0, whole.find('\n') + 1), std::string()}) {
+    left.empty() ? void(fs::remove(path)) : spit(path, left);
+    expect_refusal("experiment plan -o study --people 2", 1,
+                   "p003 has sessions or answers but would not be in a new plan of 2");
+    EXPECT_THAT(headpin("experiment status study").err, HasSubstr(says));
+  }
+  spit(path, whole);
+  EXPECT_EQ(json("experiment status study --json")["participants"][0]["replaced_by"], "p003");
+}
+
+TEST_F(StudyPeople, SessionsThatAreSimulatedOtherwiseThanRecordedAreNamed) {
+  plan(2);
+  play("p001");
+  play("p002");
+  EXPECT_TRUE(json("experiment score study --json")["simulated_otherwise"].empty());
+  EXPECT_THAT(headpin("experiment score study").out,
+              testing::Not(HasSubstr("simulated otherwise")));
+  rewrite_run("p002", [](scene::Trial& trial) {
+    for (scene::Event& event : trial.events) {
+      if (event.kind == scene::kind::game_hash) event.detail = std::string("0123456789abcdef");
+    }
+  });
+  EXPECT_EQ(json("experiment score study --json")["simulated_otherwise"],
+            nlohmann::json::array({"p002"}));
+  EXPECT_THAT(headpin("experiment score study").out,
+              HasSubstr("  simulated otherwise than recorded: p002 (see replays)\n"));
+}
+
+TEST_F(StudyPeople, AnAnalysisOfATableOlderThanAnswersSaysSo) {
+  plan(1);
+  ASSERT_EQ(headpin("experiment run study --all --virtual").code, 0);
+  ASSERT_EQ(headpin("experiment ask study --all --virtual").code, 0);
+  ASSERT_EQ(headpin("experiment score study").code, 0);
+  const auto says = [&] { return headpin("experiment analyse study").err; };
+  EXPECT_THAT(says(), testing::Not(HasSubstr("is older than")));
+  for (const char* name : {"answers/p001.csv", "sessions/p001/run-01.lcmlog", "plan.csv"}) {
+    const fs::path path = folder_ / "study" / name;
+    const auto before = fs::last_write_time(path);
+    fs::last_write_time(path, fs::file_time_type::clock::now() + std::chrono::hours(1));
+    EXPECT_THAT(says(),
+                HasSubstr("study/tables/participants.csv: is older than the newest of plan"))
+        << name;
+    fs::last_write_time(path, before);
+  }
+  // The page of a trial is no data of it.
+  spit(folder_ / "study/sessions/p001/run-01.html", "a page");
+  fs::last_write_time(folder_ / "study/sessions/p001/run-01.html",
+                      fs::file_time_type::clock::now() + std::chrono::hours(1));
+  EXPECT_THAT(says(), testing::Not(HasSubstr("is older than")));
 }
 
 }  // namespace
