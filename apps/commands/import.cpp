@@ -5,6 +5,7 @@
 #include <iterator>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -173,7 +174,7 @@ void import_head(const ImportOptions& options, const scene::Scenario& base,
   scene::write(recorder, scene::head_samples(recording), events);
   check_stop();
   recorder.close();
-  const double duration = nearest_seconds(recording.times.back());
+  const double duration = nearest_seconds(recording.times.back() - recording.times.front());
   if (options.json) {
     print_json({{"output", *options.output},
                 {"samples", recording.times.size()},
@@ -276,6 +277,17 @@ void require_output(const ImportOptions& options) {
         "--output: expected a name that ends in .lcmlog, found {} (.toml is written only with "
         "--explain)",
         name));
+  }
+}
+
+/// Refuses options about a throw where nothing is thrown.
+void refuse_throw_without_hand(const ImportOptions& options) {
+  if (options.hand != "none") return;
+  for (const auto& [name, given] : {std::pair("--throw", options.which.has_value()),
+                                    {"--events", !options.events.empty()},
+                                    {"--no-trigger", options.no_trigger}}) {
+    if (!given) continue;
+    throw UsageError(fmt::format("{0}: with --hand none nothing is thrown; expected no {0}", name));
   }
 }
 
@@ -388,6 +400,7 @@ void add_import(CLI::App& app) {
   command->callback([options] {
     require_output(*options);
     if (import_session(*options)) return;
+    refuse_throw_without_hand(*options);
     if (options->explain) return explain_import(*options, room_of(*options));
     import_throw(*options);
   });

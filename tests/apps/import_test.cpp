@@ -218,5 +218,26 @@ TEST_F(TrialCommands, WhatImportNotesOfItsDataIsInTheTrial) {
   EXPECT_THAT(notes, HasSubstr("after the release: a replay ends there too"));
 }
 
+// The head alone, on a clock that began five seconds before.
+TEST_F(TrialCommands, AHeadAloneTakesNoOptionsOfAThrow) {
+  std::istringstream lines(slurp(HEADPIN_SOURCE_DIR "/assets/throws/example.csv"));
+  std::string line, head;
+  for (int row = 0; std::getline(lines, line); ++row) {
+    std::size_t end = 0;
+    for (int cell = 0; cell < 8; ++cell) end = line.find(',', end) + 1;
+    const std::size_t time = line.find(',');
+    head += row == 0 ? line.substr(0, time) : std::to_string(5000 + std::stoi(line));
+    head += line.substr(time, end - 1 - time) + "\n";
+  }
+  spit(folder_ / "head.csv", head);
+  const nlohmann::json made = json("import head.csv -o head.lcmlog --hand none --json");
+  EXPECT_NEAR(made["duration_s"].get<double>(), 6.998, 1e-9);  // from 5.001 to 11.999 s
+  for (const char* option : {"--throw 3", "--events nofile.txt", "--no-trigger"}) {
+    const std::string line_of_option = std::string("import head.csv --hand none ") + option;
+    expect_refusal(line_of_option + " -o OUT.lcmlog", 2, "with --hand none nothing is thrown");
+    expect_refusal(line_of_option + " --explain", 2, "with --hand none nothing is thrown");
+  }
+}
+
 }  // namespace
 }  // namespace headpin
