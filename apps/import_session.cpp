@@ -17,10 +17,13 @@
 #include "apps/streams.h"
 #include "base/input_file.h"
 #include "base/output_file.h"
+#include "devices/base/sources.h"
 #include "devices/recordings/xdf_motion.h"
+#include "scene/record/events.h"
 #include "scene/record/log.h"
 #include "scene/record/xdf.h"
 #include "scene/stage/read_scenario.h"
+#include "scene/watch/recorded.h"
 #include "study/bids_read.h"
 #include "study/trial_tables.h"
 
@@ -40,6 +43,8 @@ struct WholeTrial {
   std::vector<std::string> notes = {};
   std::vector<std::string> files = {};  ///< that were read
   std::string scenario_from = {};       ///< the file that has its scenario
+  Time end{};                           ///< of the session; 0 if nothing tells
+  bool complete = true;                 ///< false: it was not when it was exported
 };
 
 // A trial of `export --xdf`.
@@ -58,7 +63,9 @@ WholeTrial xdf_trial(const std::string& path) {
           .events = std::move(trial.events),
           .notes = std::move(trial.notes),
           .files = {path},
-          .scenario_from = path};
+          .scenario_from = path,
+          .end = trial.end,
+          .complete = trial.complete};
 }
 
 // A session of `experiment export --motion-bids`: one table per tracker, and the events.
@@ -135,7 +142,8 @@ WholeTrial bids_trial(const std::string& path) {
             .samples = std::move(trial.samples),
             .notes = std::move(notes),
             .files = std::move(files),
-            .scenario_from = path};
+            .scenario_from = path,
+            .end = trial.end};
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error((fs::path(path).parent_path() / error.what()).string());
   }
@@ -178,7 +186,9 @@ WholeTrial tables_trial(const std::string& path) {
           .events = std::move(trial.events),
           .notes = std::move(trial.notes),
           .files = std::move(files),
-          .scenario_from = (folder / "scenario.toml").string()};
+          .scenario_from = (folder / "scenario.toml").string(),
+          .end = trial.end,
+          .complete = trial.complete};
 }
 
 /// A format: how it is known, and how it is read.
@@ -210,6 +220,33 @@ void refuse_options_of_throws(const ImportOptions& options) {
                     "recordings of a throw",
                     option, options.file));
   }
+}
+
+/// Adds the end of a session that went on after its last sample: a replay would stop at that sample.
+void tell_end(WholeTrial& trial, std::int64_t rate_hz) {
+  if (trial.end == Time{}) return;
+  std::erase_if(trial.events, [](const scene::Event& event) {
+    return event.kind == scene::kind::session_end;  // of an earlier import
+  });
+  Time last{};
+  for (const devices::Sample& sample : trial.samples) {
+    last = std::max(last, devices::available(sample));
+  }
+  if (trial.end <= tick_time(scene::ticks_until(last, rate_hz), rate_hz)) return;
+  scene::Event event;
+  event.time = trial.end;
+  event.kind = scene::kind::session_end;
+  trial.events.push_back(std::move(event));
+}
+
+/// Notes that a trial is only what was left of one: as a log of its own it is complete.
+void tell_incomplete(WholeTrial& trial) {
+  if (trial.complete) return;
+  trial.notes.emplace_back("the trial was not complete when it was exported");
+  scene::Event event;
+  event.kind = scene::kind::import_note;
+  event.detail = trial.notes.back();
+  trial.events.insert(trial.events.begin(), std::move(event));
 }
 
 void write_trial(const ImportOptions& options, const WholeTrial& trial) {
@@ -244,7 +281,10 @@ bool import_session(const ImportOptions& options) {
   WholeTrial trial = format->read(options.file);
   if (!options.participant.empty()) trial.header.participant = options.participant;
   if (!options.condition.empty()) trial.header.condition = options.condition;
-  scene::scenario_of_trial(trial.header.scenario, trial.scenario_from);  // is one
+  const scene::Scenario scenario =
+      scene::scenario_of_trial(trial.header.scenario, trial.scenario_from);
+  tell_end(trial, scenario.rates.physics_hz);
+  tell_incomplete(trial);
   if (!options.explain) write_trial(options, trial);
   for (const std::string& note : trial.notes) {
     say("headpin import: {}: {}\n", printable(options.file), printable(note));
@@ -253,8 +293,8 @@ bool import_session(const ImportOptions& options) {
   if (options.json) {
     print_json({{"output", written}, {"samples", trial.samples.size()}, {"notes", trial.notes}});
   } else if (written != "-") {
-    fmt::print("{}\n  samples            {}, a whole session\n", printable(written),
-               trial.samples.size());
+    fmt::print("{}\n  samples            {}, {} session\n", printable(written),
+               trial.samples.size(), trial.complete ? "a whole" : "the rest of a");
   }
   return true;
 }

@@ -256,8 +256,9 @@ std::string button_row(const devices::MouseSample& s, std::size_t index) {
   return line(cells);
 }
 
-/// @param header  of the trial, from which `import` makes it again
-Json events_json(const scene::TrialHeader& header) {
+/// With the trial's header, from which `import` makes it again.
+Json events_json(const BidsSession& session) {
+  const scene::TrialHeader& header = *session.header;
   const auto says = [](const char* text) { return Json{{"Description", text}}; };
   Json all;
   all["trial_type"] = says("what happened: button, or a kind of headpin's events (docs/events.md)");
@@ -280,7 +281,8 @@ Json events_json(const scene::TrialHeader& header) {
                          {"participant", header.participant},
                          {"condition", header.condition},
                          {"seed", fmt::format("{}", header.seed)},
-                         {"scenario", header.scenario}};
+                         {"scenario", header.scenario},
+                         {"end_s", nearest_seconds(session.end)}};
   return all;
 }
 
@@ -297,7 +299,7 @@ void add_events(const BidsSession& session, std::vector<BidsFile>& files) {
   for (const auto& [time, row] : rows) text += row;
   const std::string name = fmt::format("{}_run-{}_events", stem(session), session.run);
   files.emplace_back(name + ".tsv", text);
-  files.emplace_back(name + ".json", events_json(*session.header).dump(2) + "\n");
+  files.emplace_back(name + ".json", events_json(session).dump(2) + "\n");
 }
 
 std::string with_tabs(const std::string& csv, const std::string& where) {

@@ -23,6 +23,7 @@ struct BidsSession {
   std::vector<devices::Sample> samples;  ///< in the order of the log
   std::vector<scene::Event> events;
   Quat q_WT = Quat::Identity();  ///< of the transmitter in the room
+  Time end{};                    ///< of the session, which may go on after its last sample
 };
 
 /// The README of the dataset. Of the participants it says only whether some are virtual.

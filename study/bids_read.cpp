@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -152,13 +153,25 @@ scene::TrialHeader header_of(const nlohmann::json& trial) {
   return header;
 }
 
+Time end_of(const nlohmann::json& trial, const std::string& name) {
+  const auto end = trial.find("end_s");
+  if (end == trial.end() || !end->is_number()) return Time{};  // an older one
+  const double end_s = end->get<double>();
+  if (std::abs(end_s) < 4e9) return microseconds(end_s);
+  throw std::invalid_argument(fmt::format("{}: end_s: expected seconds, found {}", name, end_s));
+}
+
 }  // namespace
 
 BidsTrial session_of(const std::map<std::string, std::string>& texts) {
   BidsTrial trial;
   Indexed samples;
   for (const auto& [name, text] : texts) {
-    if (name.ends_with("_events.json")) trial.header = header_of(trial_in(name, text));
+    if (name.ends_with("_events.json")) {
+      const nlohmann::json said = trial_in(name, text);
+      trial.header = header_of(said);
+      trial.end = end_of(said, name);
+    }
     if (name.ends_with("_events.tsv")) read_buttons(name, text, samples);
     if (!name.ends_with("_motion.tsv") || name.find("_tracksys-simulated_") != std::string::npos) {
       continue;

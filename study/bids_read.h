@@ -12,6 +12,7 @@ namespace headpin::study {
 struct BidsTrial {
   scene::TrialHeader header;
   std::vector<devices::Sample> samples;  ///< in the order of the log
+  Time end{};                            ///< of the session; 0 if the sidecar does not tell
 };
 
 /// @param texts  by name, as session_files() gives them, the folders left out

@@ -172,22 +172,31 @@ void take_events(const CsvTable& table, TablesTrial& trial) {
   }
 }
 
-/// What trial.json says; what it does not say is empty.
-scene::TrialHeader header_in(const std::string& text, const std::string& where) {
+/// Takes what trial.json says; what it does not say stays as it is.
+void take_header(const std::string& text, const std::string& where, TablesTrial& trial) {
   const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object()) {
     throw std::invalid_argument(where + ": expected a JSON object");
   }
-  scene::TrialHeader header;
   const auto word = [&](const char* key) {
     const auto found = json.find(key);
     return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
   };
-  header.participant = word("participant");
-  header.condition = word("condition");
+  trial.header.participant = word("participant");
+  trial.header.condition = word("condition");
   const auto seed = json.find("seed");
-  if (seed != json.end() && seed->is_number_unsigned()) header.seed = seed->get<std::uint64_t>();
-  return header;
+  if (seed != json.end() && seed->is_number_unsigned()) {
+    trial.header.seed = seed->get<std::uint64_t>();
+  }
+  const auto complete = json.find("complete");
+  trial.complete = complete == json.end() || !complete->is_boolean() || complete->get<bool>();
+  const auto end = json.find("end_s");
+  if (end == json.end() || !end->is_number()) return;
+  if (!(std::abs(end->get<double>()) < 4e9)) {
+    throw std::invalid_argument(
+        fmt::format("{}: end_s: expected seconds, found {}", where, end->get<double>()));
+  }
+  trial.end = microseconds(end->get<double>());
 }
 
 }  // namespace
@@ -205,7 +214,7 @@ bool is_trackers_table(const std::string& first_line) {
 TablesTrial trial_of_tables(const TrialTexts& texts, const std::string& folder) {
   const auto in_folder = [&](const char* name) { return folder + "/" + name; };
   TablesTrial trial;
-  if (texts.header) trial.header = header_in(*texts.header, in_folder("trial.json"));
+  if (texts.header) take_header(*texts.header, in_folder("trial.json"), trial);
   if (!texts.scenario) {
     throw std::invalid_argument(in_folder("scenario.toml") +
                                 ": expected the scenario of the trial, found no file");

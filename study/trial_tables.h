@@ -23,6 +23,8 @@ struct TablesTrial {
   std::vector<scene::Event>
       events;  ///< those outside the simulation: a replay makes the others again
   std::vector<std::string> notes;  ///< what was completed
+  Time end{};                      ///< of the session; 0 if trial.json does not tell
+  bool complete = true;            ///< false: the trial was not when it was exported
 };
 
 /// Whether these are names of the columns of trackers.csv: a station, a time and a pose in each row.

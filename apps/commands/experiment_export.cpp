@@ -230,9 +230,13 @@ Traits write_session(Dataset& dataset, const Study& study, const study::Person& 
   const scene::TrialSummary& trial = recorded.file.summary();
   scene::TrialHeader header = trial.header;
   header.participant = is_virtual_name(header.participant) ? virtual_name(subject) : subject;
-  study::BidsSession session{subject,      person.played.run.substr(4),
-                             &header,      samples_of(recorded),
-                             trial.events, recorded.scenario.rig.X_WT.q};
+  study::BidsSession session{subject,
+                             person.played.run.substr(4),
+                             &header,
+                             samples_of(recorded),
+                             trial.events,
+                             recorded.scenario.rig.X_WT.q,
+                             scene::end_of(trial, recorded.recorded_hz)};
   if (deidentify) {
     header.condition = condition_of(study, person.planned);
     header.scenario = scenario_without_names(recorded.scenario);

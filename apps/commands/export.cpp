@@ -73,15 +73,27 @@ nlohmann::ordered_json write_tables(base::OutputFolder& folder, const scene::Tri
   return rows;
 }
 
+/// What the scenario of a trial tells; nothing if it cannot be read.
+scene::XdfSetting setting_of(const scene::TrialSummary& trial, const std::string& path) {
+  try {
+    const scene::Scenario scenario = scene::scenario_of_trial(trial.header.scenario, path);
+    return {.X_WT = scenario.rig.X_WT, .end = scene::end_of(trial, scenario.rates.physics_hz)};
+  } catch (const std::invalid_argument&) {
+    return {};
+  }
+}
+
 /// Data that are in no table: participant, condition, software.
-nlohmann::ordered_json about(const scene::TrialSummary& trial) {
-  return {{"participant", trial.header.participant},
-          {"condition", trial.header.condition},
-          {"seed", trial.header.seed},
-          {"format_version", trial.header.format_version},
-          {"version", trial.header.software_version},
-          {"commit", trial.header.software_commit},
-          {"complete", trial.complete}};
+nlohmann::ordered_json about(const scene::TrialSummary& trial, const std::string& path) {
+  nlohmann::ordered_json all = {{"participant", trial.header.participant},
+                                {"condition", trial.header.condition},
+                                {"seed", trial.header.seed},
+                                {"format_version", trial.header.format_version},
+                                {"version", trial.header.software_version},
+                                {"commit", trial.header.software_commit},
+                                {"complete", trial.complete}};
+  if (const auto end = setting_of(trial, path).end) all["end_s"] = nearest_seconds(*end);
+  return all;
 }
 
 /// The complete scenario of the trial. If it cannot be read, its text is written unchanged.
@@ -116,15 +128,6 @@ void export_gltf(const ExportOptions& options) {
   }
 }
 
-/// Pose of the transmitter in the world; none if the trial's scenario cannot be read.
-std::optional<Pose> transmitter_of(const scene::TrialHeader& header, const std::string& path) {
-  try {
-    return scene::scenario_of_trial(header.scenario, path).rig.X_WT;
-  } catch (const std::invalid_argument&) {
-    return std::nullopt;
-  }
-}
-
 /// Writes samples and events as streams.
 void export_xdf(const ExportOptions& options) {
   watch_stop_signals();
@@ -135,7 +138,7 @@ void export_xdf(const ExportOptions& options) {
   base::OutputFile file(
       *options.xdf,
       {.overwrite = options.force, .standard_output = true, .inputs = {options.trial}});
-  const auto streams = scene::write_xdf_trial(trial, transmitter_of(summary.header, options.trial),
+  const auto streams = scene::write_xdf_trial(trial, setting_of(summary, options.trial),
                                               [&](std::string_view bytes) {
                                                 check_stop();
                                                 file.write(bytes.data(), bytes.size());
@@ -198,9 +201,10 @@ void export_trial(const ExportOptions& options) {
   scene::write_dictionary(columns);
   write("columns.csv", columns.str());
   write("scenario.toml", scenario_text(summary.header.scenario, options.trial));
-  write(
-      "trial.json",
-      about(summary).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  write("trial.json",
+        about(summary, options.trial)
+                .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
+            "\n");
   folder.commit("trial.json");
 
   if (options.json) {

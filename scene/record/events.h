@@ -43,6 +43,7 @@ inline constexpr std::string_view not_stored = "not_stored";
 inline constexpr std::string_view source_amiss = "source_amiss";
 inline constexpr std::string_view imported = "imported";
 inline constexpr std::string_view import_note = "import_note";
+inline constexpr std::string_view session_end = "session_end";
 inline constexpr std::string_view grab_found = "grab_found";
 inline constexpr std::string_view release_found = "release_found";
 inline constexpr std::string_view not_measured = "not_measured";
@@ -158,6 +159,9 @@ inline constexpr auto kEventKinds = std::to_array<EventKind>({
      "of this one",
      "", "time in the file that is 0 s of the trial [s]"},
     {kind::import_note, "in an imported recording: detail has a note of the import about its data",
+     "", ""},
+    {kind::session_end,
+     "in an imported session: it went on until this time, after its last sample, and so does a replay",
      "", ""},
     {kind::grab_found,
      "in a recording without buttons: the program found that a hand grabbed the ball here", "", ""},

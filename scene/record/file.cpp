@@ -12,6 +12,7 @@
 #include "devices/base/sources.h"
 #include "devices/log/event_log.h"
 #include "scene/record/doubled.h"
+#include "scene/record/events.h"
 #include "scene/record/messages.h"
 #include "scene/record/misdated.h"
 #include "scene/record/state_change.h"
@@ -312,6 +313,8 @@ TrialSummary sum_up(const LogContent& log) {
       if (found.lost != 0) walk.note("lost", device, found.lost);
       if (found.astray) note_trouble(all, "astray", device, *found.astray, 1);
     } else if (auto* event = std::get_if<Event>(&*message)) {
+      if (event->kind == kind::session_end)
+        all.session_end = std::max(all.session_end, event->time);
       all.events.push_back(std::move(*event));
     } else if (const auto* state = std::get_if<TickState>(&*message)) {
       summing.take(*state);
@@ -326,7 +329,14 @@ TrialSummary sum_up(const LogContent& log) {
 
 TrialSummary summarise(const LogContent& log) {
   TrialSummary summary = sum_up(log);
-  if (summary.disorder == Time{}) return summary;
+  const auto extend_to_end = [&summary] {
+    Time last = summary.end;
+    Summing::extend(summary.longest_gap, last, summary.session_end);
+  };
+  if (summary.disorder == Time{}) {
+    extend_to_end();
+    return summary;
+  }
   Gap longest;  // of samples in order
   Time last{};
   TrialPlayer player(log, summary, {});
@@ -337,6 +347,7 @@ TrialSummary summarise(const LogContent& log) {
     Summing::extend(longest, last, *time);
   }
   summary.longest_gap = longest;
+  extend_to_end();
   return summary;
 }
 

@@ -12,7 +12,8 @@ namespace {
 constexpr auto kOutsideKinds = std::to_array<std::string_view>(
     {kind::drawn_by, kind::drawing_failed, kind::kept_pace, kind::played_with, kind::recentred,
      kind::paused, kind::not_stored, kind::source_amiss, kind::imported, kind::import_note,
-     kind::grab_found, kind::release_found, kind::not_measured, kind::incomplete});
+     kind::session_end, kind::grab_found, kind::release_found, kind::not_measured,
+     kind::incomplete});
 
 }  // namespace
 

@@ -151,6 +151,7 @@ struct TrialSummary {
   std::map<devices::Device, DeviceSummary> devices;
   std::optional<Time> first, last;  ///< of the times of samples, states and frames
   Time end{};                       ///< when the last sample is available
+  Time session_end{};               ///< when the session ended, as an event says; 0 if none does
   Time disorder{};             ///< most that a sample is available before an earlier one in the log
   std::int64_t last_tick = 0;  ///< of the last state
   std::size_t bodies = 0;      ///< in it
@@ -160,7 +161,8 @@ struct TrialSummary {
   std::vector<Trouble> trouble;
   std::int64_t backwards = 0;  ///< samples not later than the one before of the same device
   std::int64_t late = 0;       ///< samples that the session used later than they were available
-  Gap longest_gap;             ///< from 0 to the first sample, or from one to the next
+  Gap longest_gap;             ///< from 0 to the first sample, from one to the next, or from the
+                               ///< last one to session_end
   bool complete = false;       ///< the end event is there, and all messages it counts
 };
 

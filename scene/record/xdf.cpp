@@ -70,15 +70,16 @@ std::string xml_element(std::string_view name, std::string_view text) {
   return fmt::format("<{0}>{1}</{0}>", name, devices::xml_escaped(text));
 }
 
-std::string about_trial(const TrialSummary& trial) {
+std::string about_trial(const TrialSummary& trial, const std::optional<Time>& end) {
   const TrialHeader& header = trial.header;
-  return fmt::format("<headpin>{}</headpin>",
-                     xml_element("participant", header.participant) +
-                         xml_element("condition", header.condition) +
-                         xml_element("seed", std::to_string(header.seed)) +
-                         xml_element("version", header.software_version) +
-                         xml_element("complete", trial.complete ? "true" : "false") +
-                         xml_element("scenario", header.scenario));
+  return fmt::format(
+      "<headpin>{}</headpin>",
+      xml_element("participant", header.participant) + xml_element("condition", header.condition) +
+          xml_element("seed", std::to_string(header.seed)) +
+          xml_element("version", header.software_version) +
+          xml_element("complete", trial.complete ? "true" : "false") +
+          (end ? xml_element("end_s", fmt::format("{}", nearest_seconds(*end))) : "") +
+          xml_element("scenario", header.scenario));
 }
 
 /// The frame of positions and rotations.
@@ -98,15 +99,15 @@ std::string about_frame(std::int32_t station, const std::optional<Pose>& X_WT) {
 
 class TrialToXdf {
  public:
-  TrialToXdf(const TrialSummary& trial, const std::optional<Pose>& X_WT,
+  TrialToXdf(const TrialSummary& trial, const XdfSetting& setting,
              const std::function<void(std::string_view)>& put)
-      : writer_(put, about_trial(trial)), events_(trial.events) {
+      : writer_(put, about_trial(trial, setting.end)), events_(trial.events) {
     for (const auto& [device, summary] : trial.devices) {
       const std::optional<std::int32_t> station = devices::station_of(device);
       if (!station) continue;
       streams_[device] = writer_.begin({devices::device_name(device), std::string(kMocap),
                                         "double64", tracker_channels(devices::device_name(device)),
-                                        about_frame(*station, X_WT)});
+                                        about_frame(*station, setting.X_WT)});
     }
     if (trial.devices.contains(devices::Device::mouse)) {
       streams_[devices::Device::mouse] =
@@ -296,6 +297,8 @@ class TrialFromXdf {
     trial_.header.scenario = raw(about, "scenario");
     const std::string seed = about.text_at({"seed"});
     std::from_chars(seed.data(), seed.data() + seed.size(), trial_.header.seed);
+    trial_.complete = about.text_at({"complete"}) != "false";
+    if (file_.notes.empty()) trial_.end = end_in(about.text_at({"end_s"}));
     for (const devices::XdfStream& stream : file_.streams) {
       if (stream.type == kMocap) take_tracker(stream);
       if (stream.type == kButtons) take_mouse(stream);
@@ -316,6 +319,16 @@ class TrialFromXdf {
   static std::string raw(const devices::XmlElement& about, std::string_view name) {
     const devices::XmlElement* found = about.find({name});
     return found ? found->text : "";
+  }
+
+  Time end_in(const std::string& text) const {
+    double end = 0.0;
+    std::from_chars(text.data(), text.data() + text.size(), end);
+    if (!(std::abs(end) < 4e9)) {
+      throw std::invalid_argument(
+          fmt::format("{}: end_s in the header: expected seconds, found {}", where_, end));
+    }
+    return microseconds(end);
   }
 
   void take_tracker(const devices::XdfStream& stream) {
@@ -379,9 +392,9 @@ class TrialFromXdf {
 }  // namespace
 
 std::vector<devices::XdfWriter::Count> write_xdf_trial(
-    const TrialFile& trial, const std::optional<Pose>& X_WT,
+    const TrialFile& trial, const XdfSetting& setting,
     const std::function<void(std::string_view)>& put) {
-  TrialToXdf out(trial.summary(), X_WT, put);
+  TrialToXdf out(trial.summary(), setting, put);
   trial.walk([&](const TrialFile::Item& item) {
     if (const auto* sample = std::get_if<devices::Sample>(&item)) out.add(*sample);
     return true;

@@ -39,13 +39,13 @@ Recorded load_trial(std::span<const std::uint8_t> bytes, const std::string& name
   return read(std::move(file), name, longest_gap);
 }
 
-namespace {
-
 std::int64_t ticks_until(Time end, std::int64_t rate_hz) {
   std::int64_t ticks = std::max(Time{}, end).count() / 1'000'000 * rate_hz;
   while (tick_time(ticks, rate_hz) < end) ++ticks;
   return ticks;
 }
+
+namespace {
 
 /// The last tick that a recording tells. That of a session may be later than its last sample; one
 /// that is much later is damage.
@@ -60,8 +60,9 @@ std::int64_t last_told(const TrialSummary& trial, std::int64_t rate_hz) {
 
 std::int64_t tick_count(const TrialSummary& trial, std::int64_t rate_hz, std::int64_t recorded_hz) {
   const std::int64_t told = last_told(trial, recorded_hz);
-  if (rate_hz == recorded_hz) return std::max(ticks_until(trial.end, rate_hz), told);
-  return ticks_until(std::max(trial.end, tick_time(told, recorded_hz)), rate_hz);
+  const Time end = std::max(trial.end, trial.session_end);  // longest_gap has what is between
+  if (rate_hz == recorded_hz) return std::max(ticks_until(end, rate_hz), told);
+  return ticks_until(std::max(end, tick_time(told, recorded_hz)), rate_hz);
 }
 
 std::int64_t tick_count(const TrialSummary& trial, std::int64_t rate_hz) {
@@ -70,6 +71,11 @@ std::int64_t tick_count(const TrialSummary& trial, std::int64_t rate_hz) {
 
 std::int64_t Recorded::ticks(std::int64_t rate_hz) const {
   return tick_count(file.summary(), rate_hz, recorded_hz);
+}
+
+Time end_of(const TrialSummary& trial, std::int64_t recorded_hz) {
+  constexpr std::int64_t kMost = 3'000'000'000;  // s; a damaged state may have any tick
+  return tick_time(std::min(tick_count(trial, recorded_hz), kMost * recorded_hz), recorded_hz);
 }
 
 std::vector<Stamped<Vec3>> walk_of(const TrialFile& trial, const Scenario& scenario) {

@@ -33,12 +33,19 @@ Recorded load_trial(const std::string& path, Time longest_gap = devices::kLonges
 Recorded load_trial(std::span<const std::uint8_t> bytes, const std::string& name,
                     Time longest_gap = devices::kLongestGap);
 
-/// The number of ticks up to the last sample or to the last recorded tick, whichever is later.
+/// The number of the first tick that is not before `end`.
+std::int64_t ticks_until(Time end, std::int64_t rate_hz);
+
+/// The number of ticks up to the last sample, to the last recorded tick, or to where an event says that the
+/// session ended, whichever is latest.
 ///
 /// @param rate_hz      of the simulation
 /// @param recorded_hz  of the trial, where it is another one
 std::int64_t tick_count(const TrialSummary& trial, std::int64_t rate_hz, std::int64_t recorded_hz);
 std::int64_t tick_count(const TrialSummary& trial, std::int64_t rate_hz);
+
+/// The time of the last of these ticks, at the rate of the recording.
+Time end_of(const TrialSummary& trial, std::int64_t recorded_hz);
 
 /// The place of the tracked space after walking with the thumb buttons, at each tick in which it
 /// changes.
