@@ -302,7 +302,11 @@ class TableMotion {
     note(lost, fmt::format("samples of the {} have blank cells, no numbers or no rotation (the "
                            "first in line {}): ignored",
                            kPartNames[part], first_lost));
-    if (its.angles[0]) {
+    const bool angles =
+        its.rotation == RotationKind::angles || its.rotation == RotationKind::vector;
+    if (options_.rotations == "none") {
+      tracks_.reading.angles = "none";
+    } else if (angles) {
       tracks_.reading.angles =
           fmt::format("{},{}", its.rotation == RotationKind::vector ? "vector" : order,
                       degrees ? "deg" : "rad");

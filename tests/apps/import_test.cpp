@@ -239,5 +239,24 @@ TEST_F(TrialCommands, AHeadAloneTakesNoOptionsOfAThrow) {
   }
 }
 
+TEST_F(TrialCommands, RotationsThatAreNotReadAreSoInTheFileOfColumns) {
+  const std::string example = HEADPIN_SOURCE_DIR "/assets/throws/example.csv";
+  EXPECT_THAT(headpin("import " + example + " --rotations none --explain -o map.toml").out,
+              HasSubstr("--rotations none"));
+  EXPECT_THAT(slurp(folder_ / "map.toml"), HasSubstr("rotations = 'none'"));
+  const nlohmann::json all = json("import " + example + " -o all.lcmlog --json"),
+                       none = json("import " + example + " --rotations none -o none.lcmlog --json"),
+                       mapped = json("import " + example +
+                                     " --columns map.toml -o mapped.lcmlog --json");
+  EXPECT_EQ(mapped["release_speed_mps"], none["release_speed_mps"]);
+  EXPECT_NE(mapped["release_speed_mps"], all["release_speed_mps"]);
+  // Angles that are not read are no angles.
+  spit(folder_ / "angles.csv",
+       "t,HMD_x,HMD_y,HMD_z,HMD_yaw,HMD_pitch,HMD_roll,ctrl_right_x,ctrl_right_y,ctrl_right_z\n"
+       "0,0,1.7,0,1,2,3,0.2,1,0\n0.1,0,1.7,0,1,2,3,0.2,1,-0.1\n");
+  headpin("import angles.csv --time-unit s --rotations none --explain -o angles.toml");
+  EXPECT_THAT(slurp(folder_ / "angles.toml"), HasSubstr("rotations = 'none'"));
+}
+
 }  // namespace
 }  // namespace headpin
