@@ -93,6 +93,12 @@ std::string cell(const nlohmann::json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
+/// The same with every digit: of what was chosen, the last one may be the difference.
+std::string whole_cell(const nlohmann::json& value) {
+  if (value.is_object()) return whole_cell(scene::in_short(value));
+  return value.is_number_float() ? fmt::format("{}", value.get<double>()) : cell(value);
+}
+
 /// One line of the comparison.
 struct ComparedRow {
   std::string label, a, b;
@@ -116,7 +122,7 @@ std::vector<ComparedRow> compared_conditions(const nlohmann::json& a, const nloh
   const auto add = [&](const std::string& name, const nlohmann::json& of_a,
                        const nlohmann::json& of_b) {
     for (const char* key : {"elasticity", "friction", "shape"}) {
-      rows.push_back({name + key, cell(of_a[key]), cell(of_b[key])});
+      rows.push_back({name + key, whole_cell(of_a[key]), whole_cell(of_b[key])});
     }
   };
   if (a["versions"].is_null() && b["versions"].is_null()) {

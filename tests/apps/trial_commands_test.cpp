@@ -471,5 +471,11 @@ TEST_F(TrialCommands, ASkittleInTheHandIsNotToldAsTheBall) {
               testing::AllOf(HasSubstr(why), testing::Not(HasSubstr("released at"))));
 }
 
+TEST_F(TrialCommands, CompareShowsTheLastDigitOfACondition) {
+  ASSERT_EQ(headpin("replay " + kDemo + " -o a.lcmlog").code, 0);
+  ASSERT_EQ(headpin("replay " + kDemo + " --friction 0.70001 -o b.lcmlog").code, 0);
+  EXPECT_THAT(headpin("compare a.lcmlog b.lcmlog").out, HasSubstr(" 0.70001\n"));
+}
+
 }  // namespace
 }  // namespace headpin
