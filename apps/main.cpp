@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/failed_with.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "apps/wrap.h"
@@ -69,11 +70,15 @@ void place_examples(CLI::App& app) {
   }
 }
 
-/// Prints an error with the name of its command; with --json also as an object.
-int fail(const CLI::App& app, bool json, const std::string& why, int code) {
+/// Prints an error with the name of its command; with --json also as an object, with the results in it.
+int fail(const CLI::App& app, bool json, const std::string& why, int code,
+         const nlohmann::ordered_json& results = nlohmann::ordered_json::object()) {
   const std::string name = name_of(app), message = brief(printable(why));
   say("{}: {}\n", name, message);
-  if (json) print_json({{"command", name}, {"error", message}, {"exit_code", code}});
+  if (!json) return code;
+  nlohmann::ordered_json all = {{"command", name}, {"error", message}, {"exit_code", code}};
+  all.update(results);
+  print_json(all);
   return code;
 }
 
@@ -84,7 +89,9 @@ int run(CLI::App& app, int argc, char** argv) {
     if (stop_signal() != 0) {  // other failures are its consequences
       return fail(app, json, Stopped(stop_signal()).what(), 128 + stop_signal());
     }
-    return fail(app, json, with_option(app, error), code);
+    const auto* with = dynamic_cast<const FailedWith*>(&error);
+    return fail(app, json, with_option(app, error), code,
+                with ? with->results : nlohmann::ordered_json::object());
   };
   try {
     if (argc < 2) throw UsageError("expected a command; `headpin --help` lists them");

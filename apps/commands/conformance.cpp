@@ -12,7 +12,9 @@
 #include <poll.h>
 
 #include "apps/command.h"
+#include "apps/failed_with.h"
 #include "apps/options.h"
+#include "apps/streams.h"
 #include "devices/fastrak/clients.h"
 #include "devices/lines/lasting_line.h"
 
@@ -196,14 +198,13 @@ void examine_unit(const ConformanceOptions& options) {
     if (!options.json) print_row(row, stations);
   });
   reset(line);
-  if (options.json) {
-    nlohmann::ordered_json table = nlohmann::json::array();
-    for (const Row& row : rows) table.push_back(as_json(row));
-    fmt::print("{}\n", nlohmann::json{{"stations", stations}, {"clients", table}}.dump());
-  }
+  nlohmann::ordered_json table = nlohmann::json::array();
+  for (const Row& row : rows) table.push_back(as_json(row));
+  const nlohmann::ordered_json results = {{"stations", stations}, {"clients", table}};
   if (std::ranges::any_of(rows, [](const Row& row) { return row.unmet() != nullptr; })) {
-    throw std::runtime_error(options.line + ": at least one client does not work with this unit");
+    throw FailedWith(options.line + ": at least one client does not work with this unit", results);
   }
+  if (options.json) print_json(results);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -171,6 +172,14 @@ TEST_F(Emulate, ConformanceTellsWhichClientsTheUnitServes) {
           "FAILS: sent 1 bytes 'S', expected blanks in its columns 10 to 15, found 55 bytes '21S"),
       std::string::npos)
       << why;
+  // The table and the failure are one object; the words are those of standard error.
+  const auto [again, told] =
+      headpin(folder_, "conformance '" + link().string() +
+                           "' --client 'VR Juggler 2007' --seconds 0.5 --json 2>/dev/null");
+  EXPECT_EQ(again, 1);
+  const nlohmann::json object = nlohmann::json::parse(told);
+  EXPECT_EQ(object["exit_code"], 1);
+  EXPECT_EQ(object["clients"].size(), 2u);
   EXPECT_EQ(end(SIGTERM), 0);
 }
 
