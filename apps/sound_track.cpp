@@ -89,6 +89,7 @@ std::vector<SoundPart> sound_of_frames(std::span<const std::int64_t> frames, std
 }
 
 std::vector<SoundPart> sound_as_shown(std::span<const Time> times, const Timing& timing) {
+  if (times.empty()) return {};
   PictureNumbers numbers(timing);
   std::int64_t last = 0;
   for (const Time time : times) last = numbers.next(time);

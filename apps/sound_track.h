@@ -26,7 +26,7 @@ std::vector<SoundPart> sound_of_frames(std::span<const std::int64_t> frames, std
 
 /// The part that belongs to frames which are shown as they were in a live session.
 ///
-/// @param times  of the frames, 1 or more, in their order
+/// @param times  of the frames that are drawn, in their order
 std::vector<SoundPart> sound_as_shown(std::span<const Time> times, const Timing& timing);
 
 /// What is heard.

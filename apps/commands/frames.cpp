@@ -178,10 +178,11 @@ std::string check_comparable(const FramesOptions& options, const scene::Recorded
 std::vector<SoundPart> sound_parts(const FramesOptions& options, const Task& task,
                                    const scene::Recorded& recorded) {
   if (!options.as_shown) return sound_of_frames(task.frames, task.fps);
+  const std::int64_t first = scene::first_tick_with_head(recorded.file, recorded.scenario);
   std::vector<Time> times;
   recorded.file.walk([&](const scene::TrialFile::Item& item) {
-    const auto* frame = std::get_if<scene::FrameRecord>(&item);
-    if (frame && std::ranges::binary_search(task.frames, frame->frame)) {
+    const auto* frame = std::get_if<scene::FrameRecord>(&item);  // drawn if the head is known
+    if (frame && frame->tick >= first && std::ranges::binary_search(task.frames, frame->frame)) {
       times.push_back(tick_time(frame->tick, recorded.scenario.rates.physics_hz));
     }
     return true;

@@ -109,6 +109,22 @@ std::function<std::optional<Vec3>(Time)> walk_in_time(const TrialFile& trial,
   };
 }
 
+std::int64_t first_tick_with_head(const TrialFile& trial, const Scenario& scenario) {
+  const std::int64_t ticks = tick_count(trial.summary(), scenario.rates.physics_hz);
+  TrialPlayer source(trial);
+  Player player;
+  std::vector<devices::Sample> samples;
+  std::int64_t tick = 1;
+  for (; tick <= ticks; ++tick) {
+    const Time time = tick_time(tick, scenario.rates.physics_hz);
+    samples.clear();
+    source.poll(time, samples);
+    follow(player, samples, scenario, time - microseconds(scenario.rig.delay_s));
+    if (player.head.at(time)) break;
+  }
+  return tick;
+}
+
 Pose first_head_pose(const TrialFile& trial, const Rig& rig) {
   std::optional<Pose> X_WD;
   trial.walk([&](const TrialFile::Item& item) {

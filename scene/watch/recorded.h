@@ -62,6 +62,11 @@ std::vector<Stamped<Vec3>> walk_of(const TrialFile& trial, const Scenario& scena
 std::function<std::optional<Vec3>(Time)> walk_in_time(const TrialFile& trial,
                                                       const std::string& path);
 
+/// The first tick at which a replay knows a pose of the head; one after the last if none does.
+///
+/// @throws std::runtime_error  as walk_of
+std::int64_t first_tick_with_head(const TrialFile& trial, const Scenario& scenario);
+
 /// X_WD at the first good sample of the head, which is used until then.
 ///
 /// @throws std::runtime_error  without one

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "devices/base/sources.h"
 #include "scene/record/events.h"
 #include "scene/sound/ears.h"
 #include "scene/sound/modal.h"
@@ -129,6 +130,36 @@ TEST_F(SoundOfTrials, OfFramesAsShownIsAsLongAsTheVideo) {
       "ffprobe -v error -count_frames -select_streams v -show_entries "
       "stream=nb_read_frames -of csv=p=0 '" +
       (folder_ / "film.mkv").string() + "'");
+  EXPECT_EQ(left_ear("film.mkv").size(), std::stoul(pictures) * kPerFrame);
+}
+
+// Frames before the first pose of the head are not drawn. With --frames, the video begins with the first that is.
+TEST_F(SoundOfTrials, BeginsWithTheFirstFrameThatIsDrawn) {
+  make_loud();
+  const scene::Trial loud = trial("loud.lcmlog");
+  constexpr Time kSeen{500'000};
+  scene::Recorder recorder(folder_ / "late.lcmlog", loud.header);
+  scene::FrameRecord frame;
+  for (const devices::Sample& sample : loud.samples) {
+    const Time now = devices::available(sample);
+    for (; frame.time < now; ++frame.frame, frame.time = tick_time(frame.frame, 60)) {
+      frame.tick = 4 * frame.frame;
+      recorder.write(frame);
+    }
+    const auto* tracker = std::get_if<devices::TrackerSample>(&sample);
+    const bool of_head = tracker && tracker->station == devices::kHeadStation;
+    if (!of_head || now > kSeen) recorder.write(sample);
+  }
+  recorder.close();
+  const Result drawn =
+      headpin("frames late.lcmlog --as-shown --look fast --frames 12-59 --video film.mkv --no-mp4");
+  ASSERT_EQ(drawn.code, 0) << drawn.err;
+  EXPECT_THAT(drawn.err, HasSubstr("recorded frames are not drawn"));
+  const std::string pictures = output_of(
+      "ffprobe -v error -count_frames -select_streams v -show_entries "
+      "stream=nb_read_frames -of csv=p=0 '" +
+      (folder_ / "film.mkv").string() + "'");
+  EXPECT_LT(std::stoul(pictures), 40u);  // of 48
   EXPECT_EQ(left_ear("film.mkv").size(), std::stoul(pictures) * kPerFrame);
 }
 
