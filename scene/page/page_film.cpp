@@ -246,10 +246,14 @@ void Film::note_clocks(const Session& session) {
         static_cast<float>(on_wire ? seconds(tracker->host_time - tracker->device_time) : 0.0),
         static_cast<float>(seconds(tracker->session_time - tracker->device_time))};
     if (clock.left == 0 || row[2] > clock.latest[2]) clock.latest = row;
-    if (++clock.left < clock.every) continue;
-    clock.left = 0;
-    clock.table.values.insert(clock.table.values.end(), clock.latest.begin(), clock.latest.end());
+    if (++clock.left == clock.every) end_group(clock);
   }
+}
+
+void Film::end_group(Clock& clock) {
+  if (clock.left == 0) return;
+  clock.left = 0;
+  clock.table.values.insert(clock.table.values.end(), clock.latest.begin(), clock.latest.end());
 }
 
 std::vector<Table> Film::take_tables() {
@@ -270,7 +274,10 @@ std::vector<Table> Film::take_tables() {
   all.push_back(std::move(poses));
   all.push_back(std::move(series_));
   all.push_back(std::move(contacts_));
-  for (auto& [device, clock] : clocks_) all.push_back(std::move(clock.table));
+  for (auto& [device, clock] : clocks_) {
+    end_group(clock);
+    all.push_back(std::move(clock.table));
+  }
   return all;
 }
 

@@ -87,9 +87,11 @@ class Film : public Observer {
 
   struct Clock {
     Table table;
-    std::int64_t every = 1, left = 0;
-    std::array<float, 3> latest{};
+    std::int64_t every = 1,
+                 left = 0;          ///< samples of a group, and those of the one that is not full
+    std::array<float, 3> latest{};  ///< of that group
   };
+  static void end_group(Clock& clock);
   std::map<devices::Device, Clock> clocks_;
   struct Hand {
     Time time{};

@@ -288,5 +288,25 @@ TEST(PageData, ShowsOurOwnShapeAndSaysSoWhereAMeshFileIsGone) {
   EXPECT_EQ(page_data(recorded, gone).json["missing_meshes"][0], gone.missing[0]);
 }
 
+// Of 6001 samples every second one is drawn, the later of two; the last one has no other.
+TEST(PageData, HasTheDelayOfTheLastSample) {
+  const std::string path = fresh_folder("page") / "late.lcmlog";
+  const Recorded demo = load_trial(kDemo);
+  Recorder recorder(base::OutputFile(path, {.overwrite = true}), demo.file.summary().header);
+  for (int i = 0; i < 6001; ++i) {
+    devices::TrackerSample head;
+    head.station = devices::kHeadStation;
+    head.device_time = Time{500 * i};
+    head.session_time = head.device_time + Time{i == 6000 ? 250'000 : 0};
+    head.X_TS.p = Vec3(0.0, 0.0, 1.7);
+    recorder.write(devices::Sample(head));
+  }
+  recorder.close();
+  const Recorded recorded = load_trial(path);
+  const PageData data = page_data(recorded, PageLooks(recorded.scenario), {}, false);
+  EXPECT_NEAR(at(data, "clock head", 3000, "device_s"), 3.0, 1e-6);
+  EXPECT_NEAR(at(data, "clock head", 3000, "tick_after_s"), 0.25, 1e-6);
+}
+
 }  // namespace
 }  // namespace headpin::scene
