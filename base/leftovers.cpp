@@ -38,11 +38,12 @@ std::optional<pid_t> writer_of(std::string_view name, std::string_view stem) {
 }  // namespace
 
 bool is_left(int folder, const std::string& name) {
-  const int file = openat(folder, name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  // For writing, without which NFS locks nothing.
+  const int file = openat(folder, name.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (file < 0) return false;
   struct stat is {};
   const bool left =
-      fstat(file, &is) == 0 && S_ISREG(is.st_mode) && is.st_uid == geteuid() && lock(file);
+      fstat(file, &is) == 0 && S_ISREG(is.st_mode) && is.st_uid == geteuid() && lock_for_sure(file);
   close(file);
   return left;
 }

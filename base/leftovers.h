@@ -12,7 +12,7 @@ std::string part_stem(const std::string& target);
 bool is_gone(int process);
 
 /// Whether a file of a folder is a regular one of this user that nobody has locked. A process on
-/// another machine cannot be seen here, but it has its file locked.
+/// another machine cannot be seen here, but it has its file locked. Where files cannot be locked, none is left.
 bool is_left(int folder, const std::string& name);
 
 /// Removes incomplete outputs of killed runs from an open folder: regular files STEM.PROCESS-N.part

@@ -21,7 +21,10 @@ struct Exists : std::runtime_error {
 /// Locks the file behind `descriptor` for this process until it is closed or the process ends.
 ///
 /// Only callers of this function notice the lock.
-/// @return  false when another process has locked it
+/// @return  false when another process has locked it; true too on a file system without locks
 bool lock(int descriptor);
+
+/// The same, but false where there are no locks: then nobody can tell whether another process uses the file.
+bool lock_for_sure(int descriptor);
 
 }  // namespace headpin::base

@@ -386,5 +386,18 @@ TEST_F(OutputFileTest, WhatSomebodyElsewhereWritesIsNotLeft) {
   EXPECT_FALSE(fs::exists(part));
 }
 
+// Of a file system without locks nobody can say that no other machine writes there.
+TEST_F(OutputFileTest, WhatCannotBeLockedIsNotLeft) {
+  const fs::path part = folder_ / "a.999999999-0.part";
+  spit(part, "of another machine?");
+  fail_calls_from("flock", 0, ENOLCK);
+  remove_left_parts(folder_.path().string());
+  EXPECT_TRUE(has_failed());
+  write(folder_ / "a", "whole", {});  // which needs no lock
+  let_all_succeed();
+  EXPECT_TRUE(fs::exists(part));
+  EXPECT_EQ(slurp(folder_ / "a"), "whole");
+}
+
 }  // namespace
 }  // namespace headpin::base
