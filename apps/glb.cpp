@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <stdexcept>
+
+#include <fmt/format.h>
 
 namespace headpin::apps {
 
@@ -13,14 +16,13 @@ constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2, kJson = 0x4E4F534A, k
 
 static_assert(std::endian::native == std::endian::little, "a GLB file is little-endian");
 
-void append_number(std::string& to, std::size_t number) {
-  const auto word = static_cast<std::uint32_t>(number);
-  to.append(reinterpret_cast<const char*>(&word), sizeof word);
+void append_number(std::string& to, std::uint32_t number) {
+  to.append(reinterpret_cast<const char*>(&number), sizeof number);
 }
 
 void append_chunk(std::string& to, std::uint32_t type, std::string data, char filler) {
   data.resize((data.size() + 3) / 4 * 4, filler);
-  append_number(to, data.size());
+  append_number(to, glb_length(data.size()));
   append_number(to, type);
   to += data;
 }
@@ -30,6 +32,14 @@ void append_vector(std::vector<float>& to, const Eigen::Vector3f& v) {
 }
 
 }  // namespace
+
+std::uint32_t glb_length(std::size_t bytes) {
+  constexpr std::size_t kMost = 0xffff'ffff;
+  if (bytes <= kMost) return static_cast<std::uint32_t>(bytes);
+  throw std::runtime_error(fmt::format(
+      "glTF: {} bytes are more than a GLB file can have, 4 GiB; --tolerance leaves out keys",
+      bytes));
+}
 
 std::size_t Glb::add(const char* array, nlohmann::json item) {
   json[array].push_back(std::move(item));
@@ -93,7 +103,7 @@ std::string Glb::bytes() const {
   std::string file;
   append_number(file, kMagic);
   append_number(file, kVersion);
-  append_number(file, 12 + chunks.size());
+  append_number(file, glb_length(12 + chunks.size()));
   return file + chunks;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -10,6 +11,11 @@
 #include "render/data/mesh.h"
 
 namespace headpin::apps {
+
+/// A length as the file stores it.
+///
+/// @throws std::runtime_error  from 4 GiB on
+std::uint32_t glb_length(std::size_t bytes);
 
 /// A binary glTF 2.0 file that is being written: its JSON and its binary chunk.
 class Glb {
@@ -32,6 +38,7 @@ class Glb {
   std::size_t add(const char* array, nlohmann::json item);
 
   /// The whole file.
+  /// @throws std::runtime_error  when it is longer than a GLB file can be
   std::string bytes() const;
 
  private:

@@ -6,6 +6,7 @@
 #include <set>
 #include <sstream>
 
+#include "apps/glb.h"
 #include "base/math.h"
 #include "tests/apps/command_line.h"
 #include "tests/apps/rewritten.h"
@@ -168,6 +169,12 @@ TEST_F(Gltf, ExistingFilesAndWrongUseAreRefused) {
   expect_refusal("export " + kDemo + " --gltf a.glb", 1, "exists already");
   expect_refusal("export " + kDemo, 2, "--gltf FILE.glb");
   expect_refusal("export " + kDemo + " -o tables --tolerance 1mm", 2, "--tolerance needs --gltf");
+}
+
+// Four bytes have no room for more; a shortened length would make a file that no reader understands.
+TEST(GlbLength, OfFourGibibytesIsRefused) {
+  EXPECT_EQ(apps::glb_length(0xffff'ffff), 0xffff'ffffu);
+  EXPECT_THROW(apps::glb_length(0x1'0000'0000), std::runtime_error);
 }
 
 }  // namespace
