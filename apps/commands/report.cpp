@@ -40,6 +40,10 @@ std::string command_of(const TrialPage& options) {
   command += " -o " + base::shell_word(*options.output);
   if (options.video) command += " --video " + base::shell_word(*options.video);
   if (options.whatif) command += fmt::format(" --whatif {}", *options.whatif);
+  if (options.page) command += " --page " + base::shell_word(*options.page);
+  if (options.longest_gap != TrialPage{}.longest_gap) {
+    command += fmt::format(" --longest-gap {}", options.longest_gap);
+  }
   return command;
 }
 

@@ -1,5 +1,7 @@
 #include <map>
 
+#include <zlib.h>
+
 #include "apps/page_file.h"
 #include "scene/record/log.h"
 #include "tests/apps/command_line.h"
@@ -155,6 +157,35 @@ TEST_F(Report, NumbersInQuantaAreDifferencesInSevenBitsAByte) {
       {{"offset", 0}, {"rows", 2}, {"columns", {"a", "b"}}, {"quanta", {1.0, 0.25}}}};
   // a: 1, then -1; b: 2, then 398. Zigzag: 2, 1; 4, 796 = 6 * 128 + 28.
   EXPECT_THAT(apps::in_quanta(data), testing::ElementsAre(2, 1, 4, 0x80 | 28, 6));
+}
+
+/// The text of a block of a page.
+std::string block_of(const std::string& page, const std::string& name) {
+  const std::string begins = "data-block=\"" + name + "\">";
+  const std::size_t begin = page.find(begins) + begins.size();
+  std::string packed;
+  std::uint32_t bits = 0;
+  int count = 0;
+  for (std::size_t at = begin; page.at(at) != '<' && page.at(at) != '='; ++at) {
+    bits = bits << 6 | static_cast<std::uint32_t>(std::string_view(kBase64).find(page[at]));
+    if ((count += 6) >= 8) packed += static_cast<char>(bits >> (count -= 8) & 0xff);
+  }
+  std::string text(1'000'000, '\0');
+  uLongf size = text.size();
+  EXPECT_EQ(uncompress(reinterpret_cast<Bytef*>(text.data()), &size,
+                       reinterpret_cast<const Bytef*>(packed.data()), packed.size()),
+            Z_OK);
+  return text.substr(0, size);
+}
+
+TEST_F(Report, TellsTheCommandThatMakesItAgain) {
+  const std::string words = "report " + kDemo + " -o out.html";
+  for (const std::string more : {" --page page.html", " --page page.html --longest-gap 90",
+                                 " --whatif 1 --page page.html"}) {
+    ASSERT_EQ(headpin(words + more + " --force").code, 0) << more;
+    const auto about = nlohmann::json::parse(block_of(slurp(folder_ / "out.html"), "about"));
+    EXPECT_EQ(about["command"], "headpin " + words + more);
+  }
 }
 
 }  // namespace
