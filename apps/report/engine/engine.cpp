@@ -68,6 +68,12 @@ scene::Condition condition_of(const std::vector<std::uint8_t>& question) {
   return condition;
 }
 
+/// @param meshes  include the meshes of its bodies
+void answer_page(const Opened& log, const scene::Condition& condition, bool meshes) {
+  scene::PageData data = scene::page_data(log.recorded, log.looks, condition, meshes);
+  answer(text_of(data.json), std::move(data.floats));
+}
+
 }  // namespace
 
 extern "C" {
@@ -80,15 +86,21 @@ EMSCRIPTEN_KEEPALIVE bool headpin_load() {
   });
 }
 
-/// Simulates the current trial with the changes of the given JSON.
-///
-/// @param meshes  include the meshes of its bodies
-EMSCRIPTEN_KEEPALIVE bool headpin_simulate(bool meshes) {
-  return attempt([&] {
+/// Opens the given log and simulates it as it was recorded, with the meshes of its bodies. After an error the
+/// previous trial stays.
+EMSCRIPTEN_KEEPALIVE bool headpin_open() {
+  return attempt([] {
+    auto log = std::make_unique<Opened>(take_given());
+    answer_page(*log, {}, true);
+    opened = std::move(log);
+  });
+}
+
+/// Simulates the current trial with the changes of the given JSON, without meshes.
+EMSCRIPTEN_KEEPALIVE bool headpin_simulate() {
+  return attempt([] {
     if (!opened) throw std::logic_error("no trial is open");
-    const scene::Condition condition = condition_of(take_given());
-    scene::PageData data = scene::page_data(opened->recorded, opened->looks, condition, meshes);
-    answer(text_of(data.json), std::move(data.floats));
+    answer_page(*opened, condition_of(take_given()), false);
   });
 }
 

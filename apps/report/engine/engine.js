@@ -1,6 +1,7 @@
 // What the page sees of engine.cpp. Each gives {json, floats}, or {error: what is wrong}:
 //
-//   open(bytes)      a log (Uint8Array) as it was recorded, and what it looks like; it stays open
+//   open(bytes)      a log (Uint8Array) as it was recorded, and what it looks like; it stays open, and after
+//                    an error the one before does
 //   load(bytes)      only opens it
 //   simulate(moved)  the open one again: {elasticity, friction, shape, response}, each as it was
 //                    when not given
@@ -38,9 +39,6 @@
       return { error: `the engine stopped: ${error.message}` };
     }
   };
-
-  const simulate = (moved, meshes) =>
-    ask(new TextEncoder().encode(JSON.stringify(moved)), () => _headpin_simulate(meshes));
 
   const failed = (done) => (done ? {} : { error: text() });
   const stopped = (work) => {
@@ -86,9 +84,6 @@
   Module['finish'] = (frames, lateFrames) => ask(new Uint8Array(0), () => _headpin_finish(frames, lateFrames));
 
   Module['load'] = (bytes) => ask(bytes, () => _headpin_load());
-  Module['simulate'] = (moved = {}) => simulate(moved, false);
-  Module['open'] = (bytes) => {
-    const loaded = Module['load'](bytes);
-    return loaded['error'] === undefined ? simulate({}, true) : loaded;
-  };
+  Module['simulate'] = (moved = {}) => ask(json(moved), () => _headpin_simulate());
+  Module['open'] = (bytes) => ask(bytes, () => _headpin_open());
 }
