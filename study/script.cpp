@@ -1,6 +1,8 @@
 #include "study/script.h"
 
 #include <algorithm>
+#include <optional>
+#include <set>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -19,7 +21,7 @@ output <- if (length(arguments) > 1) arguments[2] else "."
 who <- if (length(arguments) > 2) arguments[3] else "all"  # people, virtual or all
 to <- function(name) file.path(output, name)
 
-p <- read.csv(input, na.strings = "n/a", colClasses = c(cell = "character", participant = "character"))
+p <- read.csv(input, na.strings = "n/a", colClasses = c(@TEXTS@))
 p <- p[p$counts == "yes", ]
 if (who == "people") p <- p[p$virtual == "no", ]
 if (who == "virtual") p <- p[p$virtual == "yes", ]
@@ -33,6 +35,10 @@ published <- data.frame(
   se = c(@ERRORS@))
 published_deviance <- @DEVIANCE@
 changes <- c(@CHANGES@)
+# By the design: the terms that can be other than 0 in each change, and those that are the constant of one.
+published_terms <- list(
+@USED@)
+published_constants <- c(@CONSTANTS@)
 
 x <- do.call(cbind, terms)
 n <- p$of[1]
@@ -81,25 +87,36 @@ drop <- do.call(rbind, lapply(seq_len(ncol(x)), function(i) {
              p = if (df > 0) pchisq(grown, df, lower.tail = FALSE) else NA, virtual)
 }))
 
-# Linear predictors by changed parameter, as Table 5: all terms, and those significant at 5 %.
-predictor <- function(changed, estimates, significant) {
-  mine <- p$changed == changed
-  used <- apply(x[mine, , drop = FALSE] != 0, 2, any) & !is.na(estimates)
-  own <- apply(x[!mine, , drop = FALSE] == 0, 2, all) & apply(x[mine, , drop = FALSE] == 1, 2, all)
+# Linear predictors by changed parameter, as Table 5: all terms, and those without which the deviance grows
+# significantly at 5 %. n/a where nobody has the change, or nothing is published.
+in_words <- function(estimates, used, constant, endless = character()) {
+  used <- used & !is.na(estimates)
+  number <- paste0(sprintf("%.1f", abs(estimates)), ifelse(colnames(x) %in% endless, "(endless)", ""))
   name <- sub("^.*[.]", "", colnames(x))
-  text <- if (any(own & used)) sprintf("%.1f", estimates[own & used][1]) else "0"
-  for (i in which(used & !own)) {
-    if (significant && !(table_6$p[i] < 0.05)) next
-    text <- paste0(text, if (estimates[i] < 0) " - " else " + ",
-                   sprintf("%.1f*%s", abs(estimates[i]), name[i]))
+  first <- which(used & constant)[1]
+  text <- if (is.na(first)) "0" else paste0(if (estimates[first] < 0) "-" else "", number[first])
+  for (i in which(used & !constant)) {
+    text <- paste0(text, if (estimates[i] < 0) " - " else " + ", number[i], "*", name[i])
   }
   text
 }
+predictor <- function(changed, shown) {
+  mine <- p$changed == changed
+  if (!any(mine)) return(NA)
+  used <- apply(x[mine, , drop = FALSE] != 0, 2, any)
+  constant <- apply(x[!mine, , drop = FALSE] == 0, 2, all) & apply(x[mine, , drop = FALSE] == 1, 2, all)
+  in_words(estimate, used & (shown | constant), constant, endless)
+}
+published_predictor <- function(changed) {
+  used <- colnames(x) %in% published_terms[[changed]]
+  if (all(is.na(published$estimate[used]))) return(NA)
+  in_words(published$estimate, used, colnames(x) %in% published_constants)
+}
 table_5 <- data.frame(
   changed = changes,
-  predictor = sapply(changes, predictor, estimate, FALSE),
-  significant = sapply(changes, predictor, estimate, TRUE),
-  published = sapply(changes, predictor, published$estimate, FALSE), virtual, row.names = NULL)
+  predictor = sapply(changes, predictor, TRUE),
+  significant = sapply(changes, predictor, drop$p < 0.05 & !is.na(drop$p)),
+  published = sapply(changes, published_predictor), virtual, row.names = NULL)
 
 # How well it fits.
 pearson <- sum(residuals(fit, "pearson")^2)
@@ -213,6 +230,57 @@ std::string numbers(const Design& design, std::optional<double> Term::*which) {
   return fmt::format("{}", fmt::join(all, ", "));
 }
 
+/// Whether somebody whose `changed` parameter changes can have another value of a term than 0.
+bool is_in(const Term& term, std::size_t changed, const Design& design) {
+  for (std::size_t row = 0; row < design.rows.size(); ++row) {
+    if (design.rows[row].changed != changed) continue;
+    const std::optional<double> value = value_of(term, design, {row, false, false}, {});
+    if (!value || *value != 0.0) return true;  // no value: an answer decides
+  }
+  return false;
+}
+
+/// The terms of each change, as a list of R.
+std::string terms_by_change(const Design& design) {
+  std::vector<std::string> all;
+  for (std::size_t changed = 0; changed < design.factors.size(); ++changed) {
+    std::vector<std::string> names;
+    for (const Term& term : design.terms) {
+      if (is_in(term, changed, design)) names.push_back(in_quotes(term.name));
+    }
+    all.push_back(fmt::format("  {} = c({})", in_quotes(design.factors[changed].key),
+                              fmt::join(names, ", ")));
+  }
+  return fmt::format("{}", fmt::join(all, ",\n"));
+}
+
+/// The terms that are 1 in one change and 0 in the others.
+std::string constants_of(const Design& design) {
+  std::vector<std::string> names;
+  for (const Term& term : design.terms) {
+    int changes = 0;
+    for (std::size_t changed = 0; changed < design.factors.size(); ++changed) {
+      changes += is_in(term, changed, design) ? 1 : 0;
+    }
+    if (term.of.empty() && changes == 1) names.push_back(in_quotes(term.name));
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// The columns that R must not take for numbers: digits of the design, names, and answers that a term
+/// compares. An answer called inf or nan is one.
+std::string columns_of_text(const Design& design) {
+  std::set<std::string> columns = {"cell", "participant"}, numbers;
+  for (const Term& term : design.terms) {
+    const bool factor = std::ranges::count(design.factors, term.of, &Factor::letter) > 0;
+    if (!factor && !term.of.empty()) (term.is.empty() ? numbers : columns).insert(term.of);
+  }
+  for (const std::string& number : numbers) columns.erase(number);
+  std::vector<std::string> texts;
+  for (const std::string& column : columns) texts.push_back(column + " = \"character\"");
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
 }  // namespace
 
 std::string r_script(const Design& design) {
@@ -233,12 +301,15 @@ std::string r_script(const Design& design) {
       "tables/participants.csv analysis\n",
       on_one_line(design.name));
   std::string rest = kScript;
+  fill(rest, "@TEXTS@", columns_of_text(design));
   fill(rest, "@TERMS@", terms);
   fill(rest, "@ESTIMATES@", numbers(design, &Term::estimate));
   fill(rest, "@ERRORS@", numbers(design, &Term::se));
   fill(rest, "@DEVIANCE@", design.deviance ? fmt::format("{}", *design.deviance) : "NA");
   fill(rest, "@PUBLISHED_DF@", fmt::format("{}", design.block() - std::ssize(design.terms)));
   fill(rest, "@CHANGES@", fmt::format("{}", fmt::join(changes, ", ")));
+  fill(rest, "@USED@", terms_by_change(design));
+  fill(rest, "@CONSTANTS@", constants_of(design));
   return script + rest;
 }
 
