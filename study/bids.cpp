@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "scene/record/events.h"
 #include "study/csv.h"
 
 namespace headpin::study {
@@ -60,10 +59,10 @@ std::string name_of(const BidsSession& session, const std::string& system, const
 }
 
 /// "head", "hand", "lefthand", "station4"
-std::string system_of(std::int32_t station) {
-  if (station == devices::kHeadStation) return "head";
-  if (station == devices::kLeftHandStation) return "lefthand";
-  return station == devices::kHandStation ? "hand" : fmt::format("station{}", station);
+std::string system_of(std::int32_t station, const scene::Rig& rig) {
+  if (station == rig.head_station) return "head";
+  if (station != rig.hand_station) return fmt::format("station{}", station);
+  return station == devices::kLeftHandStation ? "lefthand" : "hand";
 }
 
 void add_pose(std::vector<Channel>& channels, const std::string& point) {
@@ -158,45 +157,62 @@ std::string tracker_row(const devices::TrackerSample& s, std::size_t index) {
   return line(cells);
 }
 
-constexpr double kFastrakRate = 120.0;  // samples a second, of all receivers
+/// A direction in the room: its axis, its sign, a letter of SpatialAxes and a word.
+struct Direction {
+  int along = 0;
+  double sign = 1.0;
 
-/// Where an axis of the tracker points in the room, about: a letter of SpatialAxes and a word.
-std::pair<char, const char*> direction_of(const Vec3& axis_W) {
-  Eigen::Index along = 0;
-  axis_W.cwiseAbs().maxCoeff(&along);
-  static constexpr std::array<std::array<std::pair<char, const char*>, 2>, 3> kDirections = {
-      {{{{'R', "right"}, {'L', "left"}}},
-       {{{'A', "ahead"}, {'P', "back"}}},
-       {{{'S', "up"}, {'I', "down"}}}}};
-  return kDirections[static_cast<std::size_t>(along)][axis_W[along] < 0.0 ? 1 : 0];
+  char letter() const { return "RLAPSI"[place()]; }
+  const char* word() const {
+    static constexpr std::array kWords = {"right", "left", "ahead", "back", "up", "down"};
+    return kWords[place()];
+  }
+
+ private:
+  std::size_t place() const { return static_cast<std::size_t>(2 * along + (sign < 0.0 ? 1 : 0)); }
+};
+
+/// Where the axes of a transmitter point, about: the nearest of the 24 right-handed frames that have
+/// their axes along those of the room. Each axis by itself could take the direction of another one.
+std::array<Direction, 3> directions_of(const Quat& q_WT) {
+  const Mat3 R_WT = q_WT.toRotationMatrix();
+  std::array<Direction, 3> nearest;
+  double best = -4.0;  // a sum of three cosines is more
+  std::array<int, 3> along = {0, 1, 2};
+  do {
+    for (unsigned signs = 0; signs < 8; ++signs) {
+      std::array<Direction, 3> frame;
+      Mat3 R_WF = Mat3::Zero();
+      for (unsigned i = 0; i < 3; ++i) {
+        frame[i] = {along[i], ((signs >> i) & 1u) != 0 ? -1.0 : 1.0};
+        R_WF(frame[i].along, i) = frame[i].sign;
+      }
+      const double cosines = R_WF.cwiseProduct(R_WT).sum();
+      if (R_WF.determinant() < 0.0 || cosines <= best) continue;
+      best = cosines;
+      nearest = frame;
+    }
+  } while (std::ranges::next_permutation(along).found);
+  return nearest;
 }
 
 std::string axes_of(const Quat& q_WT) {
   std::string axes;
-  for (int i = 0; i < 3; ++i) axes += direction_of(q_WT * Vec3::Unit(i)).first;
+  for (const Direction& direction : directions_of(q_WT)) axes += direction.letter();
   return axes;
 }
 
 std::string meaning_of(const Quat& q_WT) {
+  const std::array<Direction, 3> to = directions_of(q_WT);
   return fmt::format(
       "the tracker's own frame, in the room about: +x {}, +y {}, +z {}; exactly, it is turned in "
       "the frame of tracksys-simulated by the quaternion (w, x, y, z) = ({:.6g}, {:.6g}, {:.6g}, "
       "{:.6g})",
-      direction_of(q_WT * Vec3::UnitX()).second, direction_of(q_WT * Vec3::UnitY()).second,
-      direction_of(q_WT * Vec3::UnitZ()).second, q_WT.w(), q_WT.x(), q_WT.y(), q_WT.z());
+      to[0].word(), to[1].word(), to[2].word(), q_WT.w(), q_WT.x(), q_WT.y(), q_WT.z());
 }
 
-/// Who made the tracker of a session; empty where a page or a file gave the poses.
-std::string maker_of(const BidsSession& session) {
-  const bool other = std::ranges::any_of(session.events, [](const scene::Event& event) {
-    return event.kind == scene::kind::played_with || event.kind == scene::kind::imported;
-  });
-  return other ? "" : "Polhemus";
-}
-
-void add_tracker(const BidsSession& session, std::int32_t station, std::size_t stations,
-                 std::vector<BidsFile>& files) {
-  const std::string system = system_of(station);
+void add_tracker(const BidsSession& session, std::int32_t station, std::vector<BidsFile>& files) {
+  const std::string system = system_of(station, session.rig);
   const std::vector<Channel> channels = tracker_channels(system);
   std::string rows;
   std::int64_t count = 0;
@@ -209,21 +225,14 @@ void add_tracker(const BidsSession& session, std::int32_t station, std::size_t s
     last = sample->device_time;
   }
   const double duration_s = seconds(last - first);
-  const std::string maker = maker_of(session);
-  const double rate_hz = maker.empty() ? std::round(rate_of(count, duration_s))
-                                       : kFastrakRate / static_cast<double>(stations);
-  Json sidecar =
-      motion_json(channels, (maker.empty() ? "receiver " : "Fastrak, receiver ") + system, rate_hz,
-                  count, duration_s);
-  if (!maker.empty()) {
-    sidecar["Manufacturer"] = maker;
-    sidecar["ManufacturersModelName"] = "Fastrak";
-  }
+  const Quat& q_WT = session.rig.X_WT.q;
+  const Json sidecar = motion_json(channels, "receiver " + system,
+                                   std::round(rate_of(count, duration_s)), count, duration_s);
   files.emplace_back(name_of(session, system, "motion.tsv"), rows);
   files.emplace_back(name_of(session, system, "motion.json"), sidecar.dump(2) + "\n");
   files.emplace_back(name_of(session, system, "channels.tsv"), channels_tsv(channels));
   files.emplace_back(name_of(session, system, "channels.json"),
-                     channels_json(axes_of(session.q_WT), meaning_of(session.q_WT)).dump(2) + "\n");
+                     channels_json(axes_of(q_WT), meaning_of(q_WT)).dump(2) + "\n");
 }
 
 const std::vector<std::string> kEventColumns = {
@@ -256,8 +265,8 @@ std::string button_row(const devices::MouseSample& s, std::size_t index) {
   return line(cells);
 }
 
-/// With the trial's header, from which `import` makes it again.
-Json events_json(const BidsSession& session) {
+/// The sidecar of the events. From the trial in it, `import` makes the trial again.
+Json events_json(const BidsSession& session, const std::set<std::int32_t>& stations) {
   const scene::TrialHeader& header = *session.header;
   const auto says = [](const char* text) { return Json{{"Description", text}}; };
   Json all;
@@ -282,11 +291,16 @@ Json events_json(const BidsSession& session) {
                          {"condition", header.condition},
                          {"seed", fmt::format("{}", header.seed)},
                          {"scenario", header.scenario},
-                         {"end_s", nearest_seconds(session.end)}};
+                         {"end_s", nearest_seconds(session.end)},
+                         {"stations", Json::object()}};
+  for (const std::int32_t station : stations) {
+    all["HeadpinTrial"]["stations"][system_of(station, session.rig)] = station;
+  }
   return all;
 }
 
-void add_events(const BidsSession& session, std::vector<BidsFile>& files) {
+void add_events(const BidsSession& session, const std::set<std::int32_t>& stations,
+                std::vector<BidsFile>& files) {
   std::vector<std::pair<Time, std::string>> rows;
   for (const scene::Event& event : session.events) rows.emplace_back(event.time, event_row(event));
   for (std::size_t i = 0; i < session.samples.size(); ++i) {
@@ -299,7 +313,7 @@ void add_events(const BidsSession& session, std::vector<BidsFile>& files) {
   for (const auto& [time, row] : rows) text += row;
   const std::string name = fmt::format("{}_run-{}_events", stem(session), session.run);
   files.emplace_back(name + ".tsv", text);
-  files.emplace_back(name + ".json", events_json(session).dump(2) + "\n");
+  files.emplace_back(name + ".json", events_json(session, stations).dump(2) + "\n");
 }
 
 std::string with_tabs(const std::string& csv, const std::string& where) {
@@ -405,10 +419,8 @@ std::vector<BidsFile> session_files(const BidsSession& session) {
     if (tracker && tracker->station > 0) stations.insert(tracker->station);
   }
   std::vector<BidsFile> files;
-  for (const std::int32_t station : stations) {
-    add_tracker(session, station, stations.size(), files);
-  }
-  add_events(session, files);
+  for (const std::int32_t station : stations) add_tracker(session, station, files);
+  add_events(session, stations, files);
   return files;
 }
 

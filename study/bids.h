@@ -7,6 +7,7 @@
 
 #include "scene/play/run.h"
 #include "scene/record/trial.h"
+#include "scene/scenario/scenario.h"
 #include "study/people.h"
 
 /// Writes and reads studies as Motion-BIDS (Brain Imaging Data Structure 1.9 and later).
@@ -22,8 +23,8 @@ struct BidsSession {
   const scene::TrialHeader* header = nullptr;
   std::vector<devices::Sample> samples;  ///< in the order of the log
   std::vector<scene::Event> events;
-  Quat q_WT = Quat::Identity();  ///< of the transmitter in the room
-  Time end{};                    ///< of the session, which may go on after its last sample
+  scene::Rig rig = {};  ///< says which station is head and hand, and how the transmitter stands
+  Time end{};           ///< of the session, which may go on after its last sample
 };
 
 /// The README of the dataset. Of the participants it says only whether some are virtual.
@@ -40,7 +41,7 @@ std::vector<BidsFile> dataset_files(const Design& design, const Questionnaire& q
 ///
 /// They contain all data: every field of a sample has a column, LATENCY is the time of measurement
 /// on the session's clock, and log_index is the order of the log. The events' sidecar has the
-/// trial's header.
+/// trial's header, and the station of each system. Who made the tracker is not said: no trial tells it.
 std::vector<BidsFile> session_files(const BidsSession& session);
 
 /// The simulated bodies as a further tracking system, with one row per frame (`rates.frame_hz`).

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "study/csv.h"
@@ -127,9 +129,20 @@ nlohmann::json trial_in(const std::string& name, const std::string& text) {
 }
 
 /// The station of a tracking system, from the name of its table.
-std::int32_t station_in(const std::string& name) {
+/// @param stations  by system, of the trial; of an older version it has none
+std::int32_t station_in(const std::string& name, const nlohmann::json& stations) {
   const std::size_t begin = name.find("_tracksys-") + 10;
   const std::string system = name.substr(begin, name.find('_', begin) - begin);
+  if (stations.is_object() && stations.contains(system)) {
+    const nlohmann::json& station = stations[system];
+    constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
+    if (station.is_number_unsigned() && station >= 1 && station <= kMost) {
+      return station.get<std::int32_t>();
+    }
+    throw std::invalid_argument(fmt::format(
+        "{}: expected a station from 1 for {} in HeadpinTrial of the events, found {}", name,
+        system, shown(station.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace))));
+  }
   if (system == "head") return devices::kHeadStation;
   if (system == "hand") return devices::kHandStation;
   if (system == "lefthand") return devices::kLeftHandStation;
@@ -161,25 +174,53 @@ Time end_of(const nlohmann::json& trial, const std::string& name) {
   throw std::invalid_argument(fmt::format("{}: end_s: expected seconds, found {}", name, end_s));
 }
 
+/// Throws unless the samples have all places of the log, each once.
+/// @param samples  by place
+void require_whole(const std::string& where, const Indexed& samples) {
+  constexpr std::size_t kShown = 3;
+  std::vector<std::int64_t> missing;
+  std::int64_t next = 0;
+  for (const auto& [index, sample] : samples) {
+    if (index < next) {
+      throw std::invalid_argument(
+          fmt::format("{}: expected every log_index from 0 on once, found {}{}", where, index,
+                      index < 0 ? "" : " twice"));
+    }
+    for (; next < index && missing.size() <= kShown; ++next) missing.push_back(next);
+    if (missing.size() > kShown) break;
+    next = index + 1;
+  }
+  if (missing.empty()) return;
+  const bool more = missing.size() > kShown;
+  if (more) missing.pop_back();
+  throw std::invalid_argument(
+      fmt::format("{}: samples {}{} missing: is a table of the session missing?", where,
+                  fmt::join(missing, ", "), more ? ", ..." : ""));
+}
+
 }  // namespace
 
 BidsTrial session_of(const std::map<std::string, std::string>& texts) {
   BidsTrial trial;
+  nlohmann::json stations;
+  for (const auto& [name, text] : texts) {
+    if (!name.ends_with("_events.json")) continue;
+    const nlohmann::json its = trial_in(name, text);
+    trial.header = header_of(its);
+    trial.end = end_of(its, name);
+    if (its.contains("stations")) stations = its["stations"];
+  }
   Indexed samples;
   for (const auto& [name, text] : texts) {
-    if (name.ends_with("_events.json")) {
-      const nlohmann::json said = trial_in(name, text);
-      trial.header = header_of(said);
-      trial.end = end_of(said, name);
-    }
     if (name.ends_with("_events.tsv")) read_buttons(name, text, samples);
     if (!name.ends_with("_motion.tsv") || name.find("_tracksys-simulated_") != std::string::npos) {
       continue;
     }
-    read_tracker(name, text, station_in(name), samples);
+    read_tracker(name, text, station_in(name, stations), samples);
   }
   if (samples.empty()) throw std::invalid_argument("no samples of a tracker");
   std::ranges::stable_sort(samples, {}, &std::pair<std::int64_t, devices::Sample>::first);
+  require_whole(texts.begin()->first, samples);
   for (auto& [index, sample] : samples) trial.samples.push_back(std::move(sample));
   return trial;
 }

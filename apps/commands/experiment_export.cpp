@@ -142,11 +142,14 @@ Traits traits_of(const scene::Recorded& recorded, const std::vector<devices::Sam
   return traits;
 }
 
-/// The samples of a trial, as its log has them.
+/// The samples of a trial, as its log has them. Stations below 1 have no table.
 std::vector<devices::Sample> samples_of(const scene::Recorded& recorded) {
   std::vector<devices::Sample> samples;
   recorded.file.walk([&](scene::TrialFile::Item& item) {
-    if (auto* sample = std::get_if<devices::Sample>(&item)) samples.push_back(*sample);
+    const auto* sample = std::get_if<devices::Sample>(&item);
+    if (!sample) return true;
+    const auto* tracker = std::get_if<devices::TrackerSample>(sample);
+    if (!tracker || tracker->station > 0) samples.push_back(*sample);
     return true;
   });
   return samples;
@@ -235,7 +238,7 @@ Traits write_session(Dataset& dataset, const Study& study, const study::Person& 
                              &header,
                              samples_of(recorded),
                              trial.events,
-                             recorded.scenario.rig.X_WT.q,
+                             recorded.scenario.rig,
                              scene::end_of(trial, recorded.recorded_hz)};
   if (deidentify) {
     header.condition = condition_of(study, person.planned);

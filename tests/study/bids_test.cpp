@@ -105,14 +105,14 @@ TEST_F(MotionBids, EachStationIsATrackingSystemOfItsOwn) {
     const std::size_t from = name.find("_tracksys-") + std::string("_tracksys-").size();
     systems.insert(name.substr(from, name.find('_', from) - from));
   }
-  EXPECT_THAT(systems, testing::IsSupersetOf({"head", "hand", "lefthand", "station4"}));
+  EXPECT_THAT(systems, testing::IsSupersetOf({"head", "hand", "station3", "station4"}));
 }
 
 // "RAS": x to the right, y to the front, z up.
 TEST_F(MotionBids, AxesOfATrackerAreThoseOfItsTransmitterInTheRoom) {
   const auto axes_with = [&](const Quat& q_WT) {
     BidsSession session{"p001", "01", &header_, any_samples(7), {}};
-    session.q_WT = q_WT;
+    session.rig.X_WT.q = q_WT;
     for (const auto& [name, text] : session_files(session)) {
       if (!name.ends_with("_tracksys-hand_run-01_channels.json")) continue;
       const auto frame = nlohmann::json::parse(text)["reference_frame"];
@@ -125,8 +125,8 @@ TEST_F(MotionBids, AxesOfATrackerAreThoseOfItsTransmitterInTheRoom) {
   EXPECT_EQ(axes_with(Quat(std::sqrt(0.5), std::sqrt(0.5), 0.0, 0.0)), "RSP");  // y up, z back
 }
 
-// A Fastrak has 120 samples a second for all receivers; what another tracker was, nobody knows here.
-TEST_F(MotionBids, OfAnotherTrackerSaysNoMakerAndItsOwnRate) {
+// No trial tells whose tracker it was.
+TEST_F(MotionBids, SaysNoMakerAndTheRateThatWasMeasured) {
   std::vector<devices::Sample> samples;
   for (int i = 0; i < 91; ++i) {
     devices::TrackerSample sample;
@@ -136,17 +136,18 @@ TEST_F(MotionBids, OfAnotherTrackerSaysNoMakerAndItsOwnRate) {
   }
   scene::Event imported;
   imported.kind = scene::kind::imported;
-  const auto hand_of = [&](const std::vector<scene::Event>& events) {
+  for (const std::vector<scene::Event>& events : {{imported}, std::vector<scene::Event>()}) {
+    int tables = 0;
     for (const auto& [name, text] : session_files({"p001", "01", &header_, samples, events})) {
-      if (name.ends_with("_tracksys-hand_run-01_motion.json")) return nlohmann::json::parse(text);
+      if (!name.ends_with("_tracksys-hand_run-01_motion.json")) continue;
+      const nlohmann::json hand = nlohmann::json::parse(text);
+      EXPECT_FALSE(hand.contains("Manufacturer"));
+      EXPECT_EQ(hand["SamplingFrequency"], 90.0);
+      EXPECT_EQ(hand["TrackingSystemName"], "receiver hand");
+      ++tables;
     }
-    return nlohmann::json();
-  };
-  const nlohmann::json other = hand_of({imported}), fastrak = hand_of({});
-  EXPECT_FALSE(other.contains("Manufacturer"));
-  EXPECT_EQ(other["SamplingFrequency"], 90.0);
-  EXPECT_EQ(fastrak["Manufacturer"], "Polhemus");
-  EXPECT_EQ(fastrak["SamplingFrequency"], 120.0);  // one receiver
+    EXPECT_EQ(tables, 1);
+  }
 }
 
 /// A table without its last columns.
@@ -207,6 +208,94 @@ TEST_F(MotionBids, DamageIsSaidOrReadAndNothingElse) {
     }
   }
   EXPECT_GT(refused, 20);
+}
+
+// The rig says where head and hand are.
+TEST_F(MotionBids, NamesOfTrackingSystemsAreThoseOfTheRig) {
+  BidsSession session{"p001", "01", &header_, any_samples(7), {}};
+  const auto texts_with = [&](std::int64_t head, std::int64_t hand) {
+    session.rig.head_station = head;
+    session.rig.hand_station = hand;
+    std::map<std::string, std::string> texts;
+    for (const auto& [name, text] : session_files(session)) {
+      texts[name.substr(name.rfind('/') + 1)] = text;
+    }
+    return texts;
+  };
+  const std::string stem = "sub-p001_task-bowling_tracksys-", end = "_run-01_motion.tsv";
+  const auto usual = texts_with(1, 2), other = texts_with(2, 1), left = texts_with(1, 3);
+  for (const auto& [name, station] : {std::pair("hand", "head"), {"head", "hand"}}) {
+    EXPECT_EQ(other.at(stem + name + end), usual.at(stem + station + end));
+  }
+  EXPECT_EQ(left.at(stem + "lefthand" + end), usual.at(stem + "station3" + end));
+  EXPECT_EQ(left.at(stem + "station2" + end), usual.at(stem + "hand" + end));
+  for (const auto& texts : {usual, other, left}) {
+    const BidsTrial back = session_of(texts);
+    ASSERT_EQ(back.samples.size(), session.samples.size());
+    for (std::size_t i = 0; i < back.samples.size(); ++i) {
+      EXPECT_TRUE(equal(back.samples[i], session.samples[i])) << i;
+    }
+  }
+}
+
+// They did not say which stations they are of.
+TEST_F(MotionBids, OfOlderVersionsNamesAreThoseOfStations1To3) {
+  for (auto& [name, text] : texts_) {
+    if (!name.ends_with("_events.json")) continue;
+    nlohmann::json events = nlohmann::json::parse(text);
+    EXPECT_EQ(events["HeadpinTrial"].erase("stations"), 1u);
+    text = events.dump();
+  }
+  auto table = texts_.extract("sub-p001_task-bowling_tracksys-station3_run-01_motion.tsv");
+  table.key() = "sub-p001_task-bowling_tracksys-lefthand_run-01_motion.tsv";
+  texts_.insert(std::move(table));
+  const BidsTrial back = session_of(texts_);
+  const std::vector<devices::Sample> samples = any_samples(7);
+  ASSERT_EQ(back.samples.size(), samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    EXPECT_TRUE(equal(back.samples[i], samples[i])) << i;
+  }
+}
+
+TEST_F(MotionBids, WithoutOneOfItsTablesIsNoSession) {
+  const std::string hand = "sub-p001_task-bowling_tracksys-hand_run-01_motion.tsv";
+  const std::string events = "sub-p001_task-bowling_run-01_events.tsv";
+  for (const std::string& name : {hand, events}) {
+    auto texts = texts_;
+    texts.erase(name);
+    EXPECT_THAT(complaint([&] { session_of(texts); }),
+                testing::MatchesRegex("sub-p001_task-bowling_run-01_events.json: samples [0-9, ]+, "
+                                      "... missing: is a table of the session missing."))
+        << name;
+  }
+  auto texts = texts_;
+  texts[hand] += texts[hand].substr(0, texts[hand].find('\n') + 1);
+  EXPECT_THAT(complaint([&] { session_of(texts); }), testing::HasSubstr(" twice"));
+}
+
+// An axis by itself would take a direction that another one has: of the letters R and L, A and P, S and I, there is
+// one each, and they are right-handed.
+TEST_F(MotionBids, AxesOfAnyTransmitterAreARightHandedFrame) {
+  Random random(5);
+  for (int i = 0; i < 200; ++i) {
+    BidsSession session{"p001", "01", &header_, any_samples(7), {}};
+    session.samples.resize(40);
+    session.rig.X_WT.q =
+        Quat(random.normal(), random.normal(), random.normal(), random.normal()).normalized();
+    for (const auto& [name, text] : session_files(session)) {
+      if (!name.ends_with("_tracksys-hand_run-01_channels.json")) continue;
+      const auto frame = nlohmann::json::parse(text)["reference_frame"];
+      const std::string axes = frame["Levels"]["global"]["SpatialAxes"].get<std::string>();
+      Mat3 R = Mat3::Zero();
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto place =
+            static_cast<int>(std::string("RLAPSI").find(axes.at(static_cast<std::size_t>(axis))));
+        R(place / 2, axis) = place % 2 == 0 ? 1.0 : -1.0;
+      }
+      EXPECT_EQ(R.determinant(), 1.0) << axes;
+      EXPECT_GT((session.rig.X_WT.q.toRotationMatrix().transpose() * R).trace(), 1.5) << axes;
+    }
+  }
 }
 
 }  // namespace
