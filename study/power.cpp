@@ -71,17 +71,20 @@ Power power_of(const Design& design, const Questionnaire& questions, int people,
     const Eigen::MatrixXd x = people_of(design, questions, people, its_seed);
     const Eigen::VectorXd y = scores_of(x, published, n, random);
     const Fit full = fit_binomial(x, y, n);
-    power.separated += full.converged ? 0.0 : 1.0 / studies;
+    power.separated += full.converged ? 0.0 : 1.0;
     for (Eigen::Index j = 0; j < terms; ++j) {
       TermPower& term = power.terms[static_cast<std::size_t>(j)];
-      if (is_found(x, y, n, j, full.deviance)) term.found += 1.0 / studies;
+      if (is_found(x, y, n, j, full.deviance)) term.found += 1.0;
       Eigen::VectorXd nothing = published;
       nothing[j] = 0.0;
       const Eigen::VectorXd other = scores_of(x, nothing, n, random);
-      if (is_found(x, other, n, j, fit_binomial(x, other, n).deviance)) {
-        term.found_without += 1.0 / studies;
-      }
+      if (is_found(x, other, n, j, fit_binomial(x, other, n).deviance)) term.found_without += 1.0;
     }
+  }
+  power.separated /= studies;  // until here they are counts
+  for (TermPower& term : power.terms) {
+    term.found /= studies;
+    term.found_without /= studies;
   }
   return power;
 }

@@ -163,5 +163,17 @@ TEST(PowerPlot, HasACircleForEachPointAndRoomForItsLegend) {
   EXPECT_EQ(count(many, fmt::format("height=\"{:.0f}\"", attribute(many, "height"))), 2);
 }
 
+// A sum of 1/6 for each of six studies is less than 1.
+TEST(Power, OfWhatIsAlwaysFoundIsOne) {
+  Design design = bundled_design();
+  design.terms.resize(1);
+  design.terms[0] = {};
+  design.terms[0].name = "const";
+  design.terms[0].estimate = -1.5;
+  for (const int studies : {6, 10, 11, 20}) {
+    EXPECT_EQ(power_of(design, bundled_questions(), 36, studies, 1, [] {}).terms[0].found, 1.0);
+  }
+}
+
 }  // namespace
 }  // namespace headpin::study
