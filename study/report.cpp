@@ -48,18 +48,19 @@ std::string table_of(const Table& table, const Design& design) {
 
 /// A picture of a throw from above: release, direction, and skittles knocked down.
 std::string throw_picture(const scene::ThrowRow& one, bool red) {
-  constexpr double kPerMetre = 10.0, kAcross = 22.0, kFoulLine = 84.0, kAhead = 6.0;
+  constexpr double kPerMetre = 10.0, kAcross = 22.0, kFoulLine = 84.0, kAhead = 6.0, kWidth = 44.0;
   std::string svg =
       "<svg viewBox='0 0 44 96'><rect x='16.7' y='14' width='10.5' height='70' "
       "fill='#eee'/><line x1='12' x2='32' y1='84' y2='84' stroke='#999'/>";
   if (one.p_WB && one.v_WB && one.v_WB->y() > 0.1) {
     const double x = kAcross + kPerMetre * one.p_WB->x(), y = kFoulLine - kPerMetre * one.p_WB->y();
-    const double aside = one.v_WB->x() / one.v_WB->y() * kAhead * kPerMetre;
+    const double ahead = kAhead * kPerMetre, aside = one.v_WB->x() / one.v_WB->y() * ahead;
+    double part = 1.0;  // of the line; it ends at the edge
+    if (aside != 0.0) part = std::clamp(((aside > 0.0 ? kWidth : 0.0) - x) / aside, 0.0, 1.0);
     svg += fmt::format(
         "<line x1='{:.1f}' y1='{:.1f}' x2='{:.1f}' y2='{:.1f}' stroke='{}' "
         "stroke-width='1.5'/>",
-        x, y, std::clamp(x + aside, 0.0, 44.0), y - kAhead * kPerMetre,
-        red ? "#b42d2d" : "#1f6fb4");
+        x, y, x + part * aside, y - part * ahead, red ? "#b42d2d" : "#1f6fb4");
   }
   return svg +
          fmt::format("<text x='22' y='11' text-anchor='middle' font-size='11'>{}</text></svg>",
@@ -158,11 +159,11 @@ std::string html_report(const Design& design, const Questionnaire& questions,
       "<!doctype html>\n<html lang=en><meta charset=utf-8><title>{0}</title>\n<style>{1}</style>\n"
       "<h1>{0}</h1>\n",
       title, kStyle);
-  if (parts.of != "no" && !people.empty()) {
+  if (const auto virtuals = std::ranges::count_if(people, &Person::is_virtual); virtuals > 0) {
     html += fmt::format(
-        "<p class=virtual>{} of these participants are virtual: nobody played "
+        "<p class=virtual>{} of these {} participants are virtual: nobody played "
         "their sessions, and their answers are drawn from a model.</p>\n",
-        parts.of == "yes" ? "All" : "Some");
+        virtuals, people.size());
   }
   const auto counted = std::ranges::count_if(
       people, [&](const Person& one) { return why_not(design, questions, one).empty(); });

@@ -15,7 +15,6 @@ struct ReportParts {
   std::vector<std::string> pictures;  ///< SVG documents
   /// By participant: the path of the page of the trial, to be opened from the report's folder.
   std::map<std::string, std::string> pages;
-  std::string of;  ///< yes: virtual participants, no: people, mixed
   /// Why there is no analysis of these participants; empty if there is one, or none at all.
   std::string left_out = {};
 };

@@ -127,7 +127,6 @@ study::ReportParts parts_of(const Study& study, const std::vector<study::Person>
                             const Counted& counted, const std::string& table,
                             const fs::path& output) {
   study::ReportParts parts;
-  parts.of = counted.of;
   parts.tables = study::paper_tables(study.design, study.questions, counted.people, counted.of);
   parts.left_out = why_left_out(study, counted, table);
   if (parts.left_out.empty()) add_analysis(study, parts);

@@ -258,7 +258,7 @@ TEST_F(StudyExport, TheReportIsOnePageThatSaysWhatIsVirtual) {
   const Result made = headpin("experiment report study -o study.html");
   ASSERT_EQ(made.code, 0) << made.err;
   const std::string page = slurp(folder_ / "study.html");
-  for (const char* says : {"All of these participants are virtual", "Reported sickness level",
+  for (const char* says : {"2 of these 2 participants are virtual", "Reported sickness level",
                            "add up to 102", "p002", "presence6", "<svg", "</html>"}) {
     EXPECT_THAT(page, HasSubstr(says));
   }

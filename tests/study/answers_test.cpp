@@ -202,7 +202,7 @@ TEST_F(DrawnAnswers, TheTableOfParticipantsHasARowAPersonAndADictionary) {
 
 // R names the letters of every picture alike: two of them in one document would share them.
 TEST_F(DrawnAnswers, PicturesOfAReportAreDocumentsOfTheirOwn) {
-  ReportParts parts{.tables = {}, .pictures = {}, .pages = {}, .of = "yes"};
+  ReportParts parts{.tables = {}, .pictures = {}, .pages = {}};
   parts.pictures = {"<svg><g id=\"glyph0-1\"/>50 %</svg>", "<svg><g id=\"glyph0-1\"/></svg>"};
   const std::string page = html_report(design_, questions_, drawn(2, 3), parts);
   EXPECT_THAT(page, testing::Not(HasSubstr("id=\"glyph0-1\"")));
@@ -244,6 +244,38 @@ TEST_F(DrawnAnswers, DoNotCountBesideAPersonsSession) {
   one.played.is_virtual = true;
   EXPECT_TRUE(one.is_virtual());
   EXPECT_EQ(why_not(design_, questions_, one), "");
+}
+
+// Whether they count or not: with nobody who counts, a report said of nobody that they are virtual.
+TEST_F(DrawnAnswers, AReportSaysHowManyOfItsParticipantsAreVirtual) {
+  std::vector<Person> people = drawn(3, 3);
+  const auto page = [&] { return html_report(design_, questions_, people, {}); };
+  EXPECT_THAT(page(), HasSubstr(">3 of these 3 participants are virtual: "));
+  people[0].answers.clear();
+  EXPECT_THAT(page(), HasSubstr(">2 of these 3 participants are virtual: "));
+  for (Person& one : people) one.replaced_by = "p009";
+  EXPECT_THAT(page(), HasSubstr("3 participants, 0 of whom count"));
+  EXPECT_THAT(page(), HasSubstr(">2 of these 3 participants are virtual: "));
+  for (Person& one : people) one.answers.clear();
+  EXPECT_THAT(page(), testing::Not(HasSubstr("participants are virtual")));
+}
+
+// The small picture has 10 units a metre and is 44 wide; its line is that of 6 m ahead.
+TEST_F(DrawnAnswers, LinesOfThrowsEndAtTheEdgeOfTheirPictures) {
+  const auto line_of = [&](const Vec3& v_WB) {
+    std::vector<Person> people = drawn(1, 3);
+    scene::ThrowRow one;
+    one.p_WB = Vec3(0.2, 0.4, 0.1);
+    one.v_WB = v_WB;
+    people[0].played.measures.throws = {one};
+    const std::string page = html_report(design_, questions_, people, {});
+    const std::size_t at = page.find("<line x1='24.0'");
+    return page.substr(at, page.find(" stroke", at) - at);
+  };
+  EXPECT_EQ(line_of(Vec3(0.5, 5.0, 0.0)), "<line x1='24.0' y1='80.0' x2='30.0' y2='20.0'");
+  EXPECT_EQ(line_of(Vec3(5.0, 5.0, 0.0)), "<line x1='24.0' y1='80.0' x2='44.0' y2='60.0'");
+  EXPECT_EQ(line_of(Vec3(-5.0, 5.0, 0.0)), "<line x1='24.0' y1='80.0' x2='0.0' y2='56.0'");
+  EXPECT_EQ(line_of(Vec3(0.0, 5.0, 0.0)), "<line x1='24.0' y1='80.0' x2='24.0' y2='20.0'");
 }
 
 }  // namespace
