@@ -58,17 +58,21 @@ void require_same_bodies(const scene::Stage& a, const scene::Stage& b, const Apa
 
 }  // namespace
 
-std::vector<Place> places_of(const scene::Session& session) {
+Places places_of(const scene::Session& session) {
   const scene::Stage& stage = *session.stage;
-  std::vector<Place> places;
+  Places places{.balls = stage.balls.size(), .of = {}};
   for (const engine::BodyId ball : stage.balls) {
     const Vec3& p_WB = session.world.states[ball].X_WB.p;
-    places.push_back({p_WB, p_WB});
+    places.of.push_back(Place{p_WB, p_WB});
   }
   for (const engine::BodyId skittle : stage.skittles) {
+    if (session.game.swept[skittle]) {
+      places.of.emplace_back();
+      continue;
+    }
     const Pose& X_WB = session.world.states[skittle].X_WB;
     const double foot = -stage.skittle_centre, head = foot + stage.scenario.skittle.height;
-    places.push_back({X_WB * Vec3(0.0, 0.0, foot), X_WB * Vec3(0.0, 0.0, head)});
+    places.of.push_back(Place{X_WB * Vec3(0.0, 0.0, foot), X_WB * Vec3(0.0, 0.0, head)});
   }
   return places;
 }
@@ -103,10 +107,9 @@ std::optional<std::int64_t> frame_of(std::int64_t tick, const scene::Rates& rate
   return frame_at(tick);
 }
 
-std::optional<double> arcmin_in_view(const scene::Session& session,
-                                     const std::vector<Place>& other) {
-  const std::vector<Place> places = places_of(session);
-  if (places.size() != other.size()) return std::nullopt;
+std::optional<double> arcmin_in_view(const scene::Session& session, const Places& other) {
+  const Places places = places_of(session);
+  if (places.balls != other.balls || places.of.size() != other.of.size()) return std::nullopt;
   if (places == other) return 0.0;
   const std::optional<Pose> X_WD = scene::head_pose(session);
   if (!X_WD) return std::nullopt;
@@ -120,10 +123,11 @@ std::optional<double> arcmin_in_view(const scene::Session& session,
       return depth > f.near && p.x() > f.left * depth && p.x() < f.right * depth &&
              p.y() > f.bottom * depth && p.y() < f.top * depth;
     };
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      if (places[i] == other[i]) continue;
-      if (!is_in_view(middle(places[i])) && !is_in_view(middle(other[i]))) continue;
-      largest = std::max(largest, arcmin_between(view.X_WE.p, places[i], other[i]));
+    for (std::size_t i = 0; i < places.of.size(); ++i) {
+      const std::optional<Place>&here = places.of[i], &there = other.of[i];
+      if (!here || !there || *here == *there) continue;
+      if (!is_in_view(middle(*here)) && !is_in_view(middle(*there))) continue;
+      largest = std::max(largest, arcmin_between(view.X_WE.p, *here, *there));
     }
   }
   return largest;
@@ -171,30 +175,52 @@ std::array<std::vector<bool>, 2> Apart::seen(const scene::Session& a, const scen
   return found;
 }
 
+/// Sees each moment, with the number of its body.
+template <typename See>
+void Apart::each_moment(const See& see) {
+  for (std::size_t s = 0; s < 2; ++s) {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      if (contacts_[s][i]) see(i, *contacts_[s][i]);
+      if (i < balls_ && bounces_[s][i].over) see(i, *bounces_[s][i].over);
+    }
+  }
+}
+
 void Apart::measure_frame(const scene::Session& a, const scene::Session& b, const Pose& X_WD) {
   ++frames_;
-  const std::vector<Place> in_a = places_of(a), in_b = places_of(b);
+  const Places in_a = places_of(a), in_b = places_of(b);
   const auto views = render::eyes(X_WD, a.scenario().hmd.optics);
   Directions now{a.now(), {}, {}};
-  for (std::size_t i = 0; i < in_a.size(); ++i) {
-    now.towards_a.push_back(middle(in_a[i]) - X_WD.p);
-    now.towards_b.push_back(middle(in_b[i]) - X_WD.p);
+  const auto towards = [&](const std::optional<Place>& place) {
+    return place ? std::optional<Vec3>(middle(*place) - X_WD.p) : std::nullopt;
+  };
+  for (std::size_t i = 0; i < in_a.of.size(); ++i) {
+    now.towards_a.push_back(towards(in_a.of[i]));
+    now.towards_b.push_back(towards(in_b.of[i]));
   }
   recent_.push_back(now);
   while (recent_.size() > 1 && recent_[1].time <= now.time - kSpeedOver) {
     recent_.erase(recent_.begin());
   }
-  if (in_a == in_b) return;
+  bool is_new = false;
+  each_moment([&](std::size_t, Moment& moment) { is_new |= !moment.shown; });
+  if (in_a == in_b && !is_new) return;
   const auto shown = seen(a, b, X_WD);
+  each_moment([&](std::size_t i, Moment& moment) {
+    if (!moment.shown) moment.shown = shown[0][i] || shown[1][i];
+  });
+  compare_moments();
+  if (in_a == in_b) return;
   const Directions& then = recent_.front();
   const double since = seconds(now.time - then.time);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (!shown[0][i] && !shown[1][i]) continue;
+    if (!in_a.of[i] || !in_b.of[i]) continue;
     BodyApart& body = bodies_[i];
     Difference place{.at = now.time};
     for (std::size_t eye = 0; eye < 2; ++eye) {
       if (!shown[eye][i]) continue;
-      const double arcmin = arcmin_between(views[eye].X_WE.p, in_a[i], in_b[i]);
+      const double arcmin = arcmin_between(views[eye].X_WE.p, *in_a.of[i], *in_b.of[i]);
       body.arcmin[eye] = std::max(body.arcmin[eye], arcmin);
       place.size = std::max(place.size, arcmin);
     }
@@ -202,12 +228,12 @@ void Apart::measure_frame(const scene::Session& a, const scene::Session& b, cons
     const bool first_above = place.times > 1.0 && !body.place.first;
     const bool largest = place.size > body.place.size;
     if (first_above || (largest && !body.place.first)) {
-      body.off_view_deg = angle_between(X_WD.q * Vec3(0.0, 0.0, -1.0), now.towards_a[i]) / kDegree;
+      body.off_view_deg = angle_between(X_WD.q * Vec3(0.0, 0.0, -1.0), *now.towards_a[i]) / kDegree;
     }
     take(body.place, place);
-    if (now.time - then.time < kSpeedOver) continue;
-    Difference speed{.a = angle_between(then.towards_a[i], now.towards_a[i]) / kDegree / since,
-                     .b = angle_between(then.towards_b[i], now.towards_b[i]) / kDegree / since,
+    if (now.time - then.time < kSpeedOver || !then.towards_a[i] || !then.towards_b[i]) continue;
+    Difference speed{.a = angle_between(*then.towards_a[i], *now.towards_a[i]) / kDegree / since,
+                     .b = angle_between(*then.towards_b[i], *now.towards_b[i]) / kDegree / since,
                      .at = now.time};
     if (std::min(speed.a, speed.b) < kSlowest || std::max(speed.a, speed.b) > kFastest) continue;
     speed.size = std::abs(speed.b - speed.a) / speed.a;
@@ -218,7 +244,6 @@ void Apart::measure_frame(const scene::Session& a, const scene::Session& b, cons
 }
 
 void Apart::note_events(const scene::Session& session, bool is_b) {
-  std::vector<std::optional<Time>>& contacts = contacts_[is_b];
   for (const scene::Event& event : session.events) {
     if (event.kind != scene::kind::touch && event.kind != scene::kind::first_contact) continue;
     const auto is_ball_or_skittle = [&](const std::string& name) {
@@ -227,45 +252,64 @@ void Apart::note_events(const scene::Session& session, bool is_b) {
     if (!std::ranges::all_of(event.bodies, is_ball_or_skittle)) continue;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       if (std::ranges::find(event.bodies, bodies_[i].body) == event.bodies.end()) continue;
-      if (!contacts[i]) contacts[i] = event.time;
-      if (!contacts_[!is_b][i]) continue;
-      const Time at_a = *contacts_[0][i], at_b = *contacts_[1][i];
-      if (bodies_[i].contact) continue;
-      const double ms = 1e3 * nearest_seconds(std::chrono::abs(at_b - at_a));
-      Difference& contact = bodies_[i].contact.emplace();
-      contact = {nearest_seconds(at_a), nearest_seconds(at_b), ms,
-                 ms / kContact.value,   std::max(at_a, at_b),  {}};
-      if (contact.times > 1.0) contact.first = contact.at;
+      std::optional<Moment>& contact = contacts_[is_b][i];
+      if (!contact) contact = Moment{.at = event.time};
     }
   }
 }
 
 void Apart::note_bounces(const scene::Session& session, bool is_b) {
+  // What falls from the height of no bounce lands so fast; what rolls does not.
+  const double gravity = std::max(0.0, -session.world.parameters.gravity_W.z());
+  const double landing = -std::sqrt(2.0 * gravity * kNoBounce);
   for (std::size_t i = 0; i < balls_; ++i) {
     const engine::BodyId ball = session.stage->balls[i];
     Bounce& bounce = bounces_[is_b][i];
+    if (bounce.height) continue;
+    if (session.world.bodies[ball].kind != engine::Kind::free) {
+      bounce = {};
+      continue;
+    }
     const engine::State& state = session.world.states[ball];
     const double z = state.X_WB.p.z(), v = state.v_WB.z();
-    if (session.world.bodies[ball].kind != engine::Kind::free) {
-      if (!bounce.height) bounce = {};
-    } else if (!bounce.height && bounce.v < 0.0 && v > 0.0) {
+    const bool lands = !bounce.from && bounce.v < landing && v >= landing;
+    if (lands && v > 0.0) {
       bounce.from = height_of_impact(bounce.z, bounce.v, z, v, engine::step_seconds(session.world));
-    } else if (!bounce.height && bounce.from && v <= 0.0) {
-      const double height = std::max(bounce.z, z) - *bounce.from;
-      bounce.height = height > kNoBounce ? std::optional(height) : std::nullopt;
-      bounce.from.reset();
+    } else if (lands || (bounce.from && v <= 0.0)) {
+      const double height = lands ? 0.0 : std::max(bounce.z, z) - *bounce.from;
+      bounce.height = height > kNoBounce ? height : 0.0;
+      bounce.over = Moment{.at = session.now()};
     }
     bounce.z = z;
     bounce.v = v;
-    const std::optional<double> a = bounces_[0][i].height, b = bounces_[1][i].height;
-    if (!a || !b || bodies_[i].bounce) continue;
-    Difference& found = bodies_[i].bounce.emplace();
-    found.a = *a;
-    found.b = *b;
-    found.size = std::abs(std::sqrt(*b) - std::sqrt(*a)) / std::sqrt(*a);
-    found.times = found.size / kBounce.value;
-    found.at = session.now();
-    if (found.times > 1.0) found.first = found.at;
+  }
+}
+
+/// Compares contacts and bounces that were shown in both sessions.
+void Apart::compare_moments() {
+  const auto shown_at = [](const std::optional<Moment>& a, const std::optional<Moment>& b) {
+    const bool both = a && b && a->shown.value_or(false) && b->shown.value_or(false);
+    return both ? std::optional(std::max(a->at, b->at)) : std::nullopt;
+  };
+  const auto set = [](std::optional<Difference>& difference, double a, double b, double size,
+                      const Threshold& threshold, Time at) {
+    const double times = size / threshold.value;
+    difference = Difference{a, b, size, times, at, times > 1.0 ? std::optional(at) : std::nullopt};
+  };
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const std::optional<Moment>&a = contacts_[0][i], &b = contacts_[1][i];
+    const std::optional<Time> contact = bodies_[i].contact ? std::nullopt : shown_at(a, b);
+    if (!contact) continue;
+    set(bodies_[i].contact, nearest_seconds(a->at), nearest_seconds(b->at),
+        1e3 * nearest_seconds(std::chrono::abs(b->at - a->at)), kContact, *contact);
+  }
+  for (std::size_t i = 0; i < balls_; ++i) {
+    const Bounce &a = bounces_[0][i], &b = bounces_[1][i];
+    const std::optional<Time> bounce = bodies_[i].bounce ? std::nullopt : shown_at(a.over, b.over);
+    if (!bounce || *a.height == 0.0) continue;
+    const double share =
+        std::abs(std::sqrt(*b.height) - std::sqrt(*a.height)) / std::sqrt(*a.height);
+    set(bodies_[i].bounce, *a.height, *b.height, share, kBounce, *bounce);
   }
 }
 

@@ -18,8 +18,16 @@ namespace headpin::sweep {
 /// head; in the world [m].
 using Place = std::array<Vec3, 2>;
 
+/// Where all balls and skittles are.
+struct Places {
+  std::size_t balls = 0;                 ///< the first of `of`; skittles follow
+  std::vector<std::optional<Place>> of;  ///< nothing for a skittle that was swept away
+
+  bool operator==(const Places&) const = default;
+};
+
 /// Balls, then skittles, in the order of the stage.
-std::vector<Place> places_of(const scene::Session& session);
+Places places_of(const scene::Session& session);
 std::vector<std::string> names_of_places(const scene::Stage& stage);
 
 /// The angle between two points as an eye sees them [arcmin].
@@ -31,16 +39,15 @@ double arcmin_between(const Vec3& p_WE, const Place& a, const Place& b);
 std::optional<std::int64_t> frame_of(std::int64_t tick, const scene::Rates& rates);
 
 /// Places at each frame of the display.
-using Frames = std::vector<std::vector<Place>>;
+using Frames = std::vector<Places>;
 
 /// The largest angle, on either retina, between the places of a body in two frames, of bodies within
-/// the view [arcmin].
+/// the view [arcmin]. A skittle that was swept away in one of them does not count.
 ///
 /// @param session  at one of the frames; its head looks
 /// @param other    places in the other one
-/// @return  nothing without a head, or with another number of bodies
-std::optional<double> arcmin_in_view(const scene::Session& session,
-                                     const std::vector<Place>& other);
+/// @return  nothing without a head, or with another number of balls or of skittles
+std::optional<double> arcmin_in_view(const scene::Session& session, const Places& other);
 
 /// A difference that is largest at some time.
 struct Difference {
@@ -61,14 +68,16 @@ struct BodyApart {
                               ///< the threshold, else when it differed most
   std::optional<Difference> speed;    ///< of its direction from the head [deg/s]; `size` a share
   std::optional<Difference> contact;  ///< first contact after the start [s]; `size` in ms
-  std::optional<Difference> bounce;  ///< height of a ball's first bounce [m]; `size`: difference of
-                                     ///< its square root, the restitution, as a share
+  std::optional<Difference> bounce;   ///< height of a ball's first bounce [m], 0 where it does not
+                                      ///< rise; `size`: difference of its square root, the
+                                      ///< restitution, as a share. Nothing where `a` would be 0
 };
 
 /// Compares two sessions that run side by side.
 ///
 /// Angles are measured at the rate of the display from the places of the bodies, not from pixels. A
-/// body counts in frames in which the display has at least one pixel of it. Its speed is the turn of
+/// body counts in frames in which the display has at least one pixel of it; a contact or bounce if the
+/// next frame has one, after it happened in either session. Its speed is the turn of
 /// its direction from the point between the eyes over the last 100 ms, in the world: as for eyes
 /// that follow the room while the head turns. The limit for an angle is a pixel of the display or
 /// `kDetail`, whichever is larger.
@@ -100,20 +109,29 @@ class Apart {
   void measure_frame(const scene::Session& a, const scene::Session& b, const Pose& X_WD);
   void note_events(const scene::Session& session, bool is_b);
   void note_bounces(const scene::Session& session, bool is_b);
+  void compare_moments();
   std::array<std::vector<bool>, 2> seen(const scene::Session& a, const scene::Session& b,
                                         const Pose& X_WD);
 
-  /// How a ball bounces: falls, then rises from its lowest to its highest point.
-  /// Of a ball since its release: where its centre was at its first impact on something below it, and
-  /// how far it rose from there.
-  struct Bounce {
-    std::optional<double> from, height;  ///< [m]
-    double z = 0.0, v = 0.0;             ///< of the tick before [m, m/s]
+  /// When something first happened to a body in one session.
+  struct Moment {
+    Time at{};
+    std::optional<bool> shown =
+        {};  ///< whether the first frame from then on has a pixel of the body
   };
+  /// Of a ball since its release: where its centre was as it first landed, and how far it rose from
+  /// there.
+  struct Bounce {
+    std::optional<double> from = {}, height = {};  ///< [m]
+    std::optional<Moment> over = {};               ///< at its highest point
+    double z = 0.0, v = 0.0;                       ///< of the tick before [m, m/s]
+  };
+  template <typename See>
+  void each_moment(const See& see);
   /// Directions from the head in the last 100 ms, oldest first.
   struct Directions {
     Time time{};
-    std::vector<Vec3> towards_a, towards_b;
+    std::vector<std::optional<Vec3>> towards_a, towards_b;  ///< nothing without a place
   };
 
   scene::Eyes eyes_a_, eyes_b_;
@@ -122,7 +140,7 @@ class Apart {
   std::int64_t frames_ = 0;
   std::size_t balls_ = 0;
   std::vector<BodyApart> bodies_;
-  std::array<std::vector<std::optional<Time>>, 2> contacts_;
+  std::array<std::vector<std::optional<Moment>>, 2> contacts_;
   std::array<std::vector<Bounce>, 2> bounces_;
   std::vector<Directions> recent_;
 };

@@ -190,7 +190,8 @@ TEST(Apart, WhatTheHeadDoesNotSeeIsNotTold) {
   watch(apart, a, b);
   EXPECT_EQ(apart.bodies().front().place.size, 0.0);
   EXPECT_FALSE(apart.bodies().front().speed);
-  EXPECT_TRUE(apart.bodies().front().bounce);  // it was not seen, but it was so
+  EXPECT_FALSE(apart.bodies().front().bounce);
+  EXPECT_THAT(in_sentences(apart), testing::ElementsAre("Nothing differs."));
 }
 
 TEST(Apart, TheFirstContactIsWhenTheFirstSkittleIsStruck) {
@@ -291,6 +292,68 @@ TEST(Apart, ThresholdsAreThoseOfTheGuide) {
     EXPECT_THAT(page, HasSubstr(fmt::format("| {} | {}{} | {} | {} | {} |", one.name, one.value,
                                             unit, one.quantity, one.source, one.read_in)));
   }
+}
+
+// Without elasticity the bundled ball does not bounce; later it rides over a fallen skittle and comes down.
+TEST(Apart, TheFirstLandingDecidesWhetherABallBounces) {
+  const std::string path = HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog";
+  const scene::Scenario scenario = scene::load_trial(path).scenario;
+  const auto samples = scene::read_trial(path).samples;
+  scene::Scenario dull = scenario;
+  scene::set_elasticity(dull, 0.0);
+  Played a(scenario, samples), b(dull, samples);
+  Apart apart(a.session, b.session);
+  watch(apart, a, b, 6.0);
+  const BodyApart& ball = apart.bodies().front();
+  ASSERT_TRUE(ball.bounce);
+  EXPECT_NEAR(ball.bounce->a, 0.2195, 0.001);
+  EXPECT_EQ(ball.bounce->b, 0.0);
+  EXPECT_EQ(ball.bounce->size, 1.0);
+  Played c(dull, samples), d(scenario, samples);
+  Apart turned(c.session, d.session);
+  watch(turned, c, d, 6.0);
+  EXPECT_FALSE(turned.bodies().front().bounce);  // of a bounce of 0 there is no share
+  EXPECT_GT(turned.bodies().front().place.times, 1.0);
+}
+
+// The display hangs beside the eyes: it has no pixel of what the ball does.
+TEST(Apart, ContactsThatNoPixelShowsAreNotTold) {
+  const std::string path = HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog";
+  scene::Scenario scenario = scene::load_trial(path).scenario;
+  scenario.rig.X_SD = Pose{Quat(0.5, 0.5, 0.5, 0.5), Vec3(0.1, 0.0, 0.12)};
+  const auto samples = scene::read_trial(path).samples;
+  scene::Scenario elastic = scenario;
+  scene::set_elasticity(elastic, 1.0);
+  Played a(scenario, samples), b(elastic, samples);
+  Apart apart(a.session, b.session);
+  watch(apart, a, b, 7.0);
+  for (const BodyApart& body : apart.bodies()) {
+    EXPECT_FALSE(body.contact) << body.body;
+    EXPECT_FALSE(body.bounce) << body.body;
+  }
+  EXPECT_THAT(in_sentences(apart), testing::ElementsAre("Nothing differs."));
+}
+
+// It is parked behind the wall, which is no place that anybody could see it move to.
+TEST(Apart, ASkittleThatWasSweptAwayHasNoPlace) {
+  const scene::Scenario scenario;
+  const auto samples = with_head(scenario, dropped(scenario, 0.5).samples, looking(false));
+  Played a(scenario, samples), b(scenario, samples);
+  const engine::BodyId skittle = a.session.stage->skittles.front();
+  a.session.game.swept[skittle] = 1;
+  a.session.world.states[skittle].X_WB.p.y() = scenario.room.ahead + 1.0;
+  Apart apart(a.session, b.session);
+  watch(apart, a, b, 1.0);
+  EXPECT_GT(apart.frames(), 30);
+  EXPECT_FALSE(places_of(a.session).of[1]);
+  EXPECT_TRUE(places_of(b.session).of[1]);
+  EXPECT_EQ(apart.bodies()[1].place.size, 0.0);
+  EXPECT_EQ(arcmin_in_view(a.session, places_of(b.session)), 0.0);
+  Places others = places_of(a.session);
+  others.balls = 2;
+  others.of.pop_back();
+  others.of.push_back(others.of.front());
+  EXPECT_FALSE(arcmin_in_view(a.session, others));  // as many bodies, but not the same ones
 }
 
 }  // namespace
