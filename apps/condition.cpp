@@ -86,11 +86,7 @@ namespace {
 
 /// Refuses options of the paper's detection where none of it is used.
 void expect_paper_detection(const Condition& condition, const scene::Scenario& scenario) {
-  const scene::Versions& versions = scenario.version;
-  for (const auto& detection : {std::optional(scenario.collision.detection), versions.red.detection,
-                                versions.blue.detection}) {
-    if (detection == scene::Detection::paper) return;
-  }
+  if (scene::has_paper_detection(scenario)) return;
   for (const auto& [given, option] : {std::pair{condition.iterations.has_value(), "--iterations"},
                                       {condition.warm.has_value(), "--warm"}}) {
     if (!given) continue;

@@ -170,17 +170,22 @@ void read_random(const toml::table& random, const std::string& where, Design& de
   for (auto& [place, range] : found) design.drawn.push_back(std::move(range));
 }
 
-/// The keys of a scenario that a key with the name of an option sets; none for other keys.
-std::vector<std::string> set_by(const std::string& key) {
+/// Keys of a scenario of which nothing is left where all of a group stand beside this one.
+std::vector<std::vector<std::string>> groups_set_by(const std::string& key) {
+  const auto of_versions = [](const std::string& what) {
+    return std::vector{fmt::format("version.red.{}", what), fmt::format("version.blue.{}", what)};
+  };
   if (key == "elasticity" || key == "friction") {
     std::vector<std::string> keys;
     for (const char* object : {"skittle", "ball", "lane", "wall"}) {
       keys.push_back(fmt::format("material.{}.{}", object, key));
     }
-    return keys;
+    return {keys, of_versions(key)};
   }
-  for (const char* option : {"shape", "response", "detection", "iterations"}) {
-    if (key == option) return {"collision." + key};
+  if (key == "shape") return {{"collision.shape"}, of_versions(key)};
+  if (key == "collision.shape") return {of_versions("shape")};
+  for (const char* option : {"response", "detection", "iterations"}) {
+    if (key == option) return {{fmt::format("collision.{}", option)}};
   }
   return {};
 }
@@ -189,12 +194,13 @@ std::vector<std::string> set_by(const std::string& key) {
 /// the tables with values that no row has.
 void require_effects(const std::set<std::string>& keys, const std::string& where) {
   for (const std::string& key : keys) {
-    const std::vector<std::string> set = set_by(key);
-    const auto is_given = [&](const std::string& one) { return keys.contains(one); };
-    if (set.empty() || !std::ranges::all_of(set, is_given)) continue;
-    throw std::invalid_argument(
-        fmt::format("{}: '{}' sets {}, which {} a key of this design too; expected one of them",
-                    where, key, fmt::join(set, ", "), set.size() == 1 ? "is" : "are each"));
+    for (const std::vector<std::string>& set : groups_set_by(key)) {
+      const auto is_given = [&](const std::string& one) { return keys.contains(one); };
+      if (!std::ranges::all_of(set, is_given)) continue;
+      throw std::invalid_argument(
+          fmt::format("{}: '{}' sets {}, which {} a key of this design too; expected one of them",
+                      where, key, fmt::join(set, ", "), set.size() == 1 ? "is" : "are each"));
+    }
   }
 }
 

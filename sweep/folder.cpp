@@ -87,6 +87,31 @@ void try_values(const Design& design, const std::vector<Trial>& trials, const st
   }
 }
 
+/// Whether a row of a trial has the paper's detection, by the design's keys or its own.
+bool has_paper_rows(const Design& design, scene::Scenario scenario) {
+  std::vector<std::string> keys, values;
+  for (const Axis& axis : design.grid) {
+    if (axis.key != "detection" && !axis.key.ends_with(".detection")) continue;
+    const bool paper = std::ranges::find(axis.values, "paper") != axis.values.end();
+    keys.push_back(axis.key);
+    values.push_back(paper ? "paper" : axis.values.front());
+  }
+  scene::apply(condition_of(keys, values), scenario);
+  return scene::has_paper_detection(scenario);
+}
+
+/// Refuses the option `iterations` where it changes nothing, as replay does.
+void require_paper_rows(const Design& design, const std::vector<Trial>& trials,
+                        const std::string& where) {
+  const auto axis = std::ranges::find(design.grid, "iterations", &Axis::key);
+  const auto has_some = [&](const Trial& trial) { return has_paper_rows(design, trial.scenario); };
+  if (axis == design.grid.end() || std::ranges::any_of(trials, has_some)) return;
+  throw std::invalid_argument(fmt::format(
+      "{}:{}: iterations: expected detection = ['paper'] beside it; converged detection "
+      "has no cap",
+      where, axis->line));
+}
+
 void require_different_names(const Design& design, const std::string& where) {
   std::set<std::string> names;
   for (const std::string& trial : design.trials) {
@@ -159,6 +184,7 @@ std::int64_t plan(const fs::path& file, const SweepFolder& at, const std::functi
     check();
   }
   try_values(design, trials, file.string());
+  require_paper_rows(design, trials, file.string());
   const Rows rows(design, hashes_of(trials));
   const std::string table = rows_csv(rows, check);
   fs::create_directories(at.trials());

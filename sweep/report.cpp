@@ -156,7 +156,7 @@ class Page {
             "<rect x='{:.2f}' y='{:.2f}' width='{:.2f}' height='{:.2f}' fill='{}' data-i='{}'>"
             "<title>{}</title></rect>\n",
             x, y, wide + 0.3, tall + 0.3, std::isnan(value) ? "#eee" : colour(part),
-            number_of(point), escaped(words_of(point, panel, i, j, value)));
+            number_of(point), escaped(words_of(point, panel, i, j, column)));
         if (point.failed + point.unsolved > 0) {
           svg += fmt::format(
               "<circle cx='{:.2f}' cy='{:.2f}' r='2' fill='#d00' pointer-events='none'/>\n",
@@ -179,12 +179,16 @@ class Page {
   }
 
   std::string words_of(const Point& point, const Place& panel, std::size_t i, std::size_t j,
-                       double value) const {
+                       std::size_t column) const {
     std::string words = fmt::format("{} = {}", grid()[x_].key, grid()[x_].values[i]);
     if (y_ != x_) words += fmt::format(", {} = {}", grid()[y_].key, grid()[y_].values[j]);
     const std::string title = title_of(panel);
-    words += fmt::format("{}{}: {}", title.empty() ? "" : ", ", title, shown(value));
-    if (point.rows > 1) words += fmt::format(", the mean of {} rows", point.rows);
+    words += fmt::format("{}{}: {}", title.empty() ? "" : ", ", title, shown(mean(point, column)));
+    const std::int64_t with = point.count[column];
+    if (point.rows > 1 && with == point.rows) words += fmt::format(", the mean of {} rows", with);
+    if (with > 0 && with < point.rows) {
+      words += fmt::format(", the mean of {} of {} rows", with, point.rows);
+    }
     if (point.failed > 0) words += fmt::format(", {} failed", point.failed);
     if (point.unsolved > 0) words += fmt::format(", {} not solved", point.unsolved);
     return words;
@@ -280,11 +284,15 @@ std::string command_of(const Rows& rows, const Row& row, const std::string& fold
   std::string command =
       "headpin replay " +
       for_a_shell((std::filesystem::path(folder) / "trials" / trial.filename()).string());
-  for (std::size_t i = 0; i < row.values.size(); ++i) {
-    const std::string& key = rows.keys()[i];
-    command += std::ranges::find(kOptionKeys, key) != kOptionKeys.end()
-                   ? fmt::format(" --{} {}", key, for_a_shell(row.values[i]))
-                   : fmt::format(" --set {}", for_a_shell(key + "=" + row.values[i]));
+  for (const std::size_t i : order_of(rows.keys())) {
+    const std::string &key = rows.keys()[i], &value = row.values[i];
+    if (key == "iterations") {  // replay refuses the option in rows with converged detection
+      command += " --set " + for_a_shell("collision.iterations=" + value);
+    } else if (std::ranges::find(kOptionKeys, key) != kOptionKeys.end()) {
+      command += fmt::format(" --{} {}", key, for_a_shell(value));
+    } else {
+      command += " --set " + for_a_shell(key + "=" + value);
+    }
   }
   return command;
 }

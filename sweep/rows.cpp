@@ -102,10 +102,17 @@ std::vector<std::string> keys_of_conditions() {
   return keys;
 }
 
+std::vector<std::size_t> order_of(const std::vector<std::string>& keys) {
+  std::vector<std::size_t> order(keys.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_partition(order, [&](std::size_t i) { return keys[i] == "hmd.profile"; });
+  return order;
+}
+
 scene::Condition condition_of(const std::vector<std::string>& keys,
                               const std::vector<std::string>& values) {
   scene::Condition condition;
-  for (std::size_t i = 0; i < keys.size(); ++i) {
+  for (const std::size_t i : order_of(keys)) {
     const std::string &key = keys[i], &value = values[i];
     if (key == "elasticity") {
       condition.elasticity = from_0_to_1(key, value);

@@ -51,6 +51,9 @@ inline constexpr auto kOptionKeys = std::to_array<std::string_view>(
 /// The keys that condition_of() knows.
 std::vector<std::string> keys_of_conditions();
 
+/// The numbers of these keys in the order in which they are set: hmd.profile, which sets other keys too, goes first.
+std::vector<std::size_t> order_of(const std::vector<std::string>& keys);
+
 /// The condition of a row.
 ///
 /// @throws std::invalid_argument  for a value that is none of its key

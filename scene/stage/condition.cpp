@@ -136,4 +136,10 @@ void apply(const Condition& condition, Scenario& scenario) {
   pass_on_to_versions(condition, scenario);
 }
 
+bool has_paper_detection(const Scenario& scenario) {
+  const Versions& versions = scenario.version;
+  return scenario.collision.detection == Detection::paper ||
+         versions.red.detection == Detection::paper || versions.blue.detection == Detection::paper;
+}
+
 }  // namespace headpin::scene

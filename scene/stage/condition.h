@@ -33,4 +33,7 @@ struct Condition {
 ///                                of one object where versions have one for all
 void apply(const Condition& condition, Scenario& scenario);
 
+/// Whether the scenario, or a version of its game, has the paper's detection.
+bool has_paper_detection(const Scenario& scenario);
+
 }  // namespace headpin::scene

@@ -332,5 +332,14 @@ TEST_F(SweepCommands, AMergeDoesNotReplaceThePartsOfItsSweep) {
   EXPECT_EQ(headpin("sweep merge s -o -").code, 0);
 }
 
+TEST_F(SweepCommands, IterationsAreRefusedWhereNoRowHasTheDetectionThatCountsThem) {
+  write_design("[grid]\niterations = [5, 7]\n");
+  expect_refusal("sweep plan sweep.toml -o OUT", 1, "sweep.toml:3: iterations: expected detection");
+  write_design("[grid]\niterations = [5, 7]\ndetection = ['converged']\n");
+  expect_refusal("sweep plan sweep.toml -o OUT", 1, "sweep.toml:3: iterations: expected detection");
+  write_design("[grid]\niterations = [5, 7]\ndetection = ['converged', 'paper']\n");
+  plan("some");
+}
+
 }  // namespace
 }  // namespace headpin

@@ -83,6 +83,26 @@ TEST(SweepDesign, AnOptionThatHasNoEffectBesideOtherKeysIsRefused) {
   EXPECT_EQ(says(some), "accepted");  // it is that of the walls
   EXPECT_THAT(says(some + "wall.friction = [0.5]\n"),
               HasSubstr("'friction' sets material.skittle.friction, material.ball.friction"));
+  for (const std::string key : {"elasticity", "friction", "shape", "collision.shape"}) {
+    const std::string what = key.substr(key.rfind('.') + 1);
+    const std::string red = fmt::format("[grid]\n{} = [1]\nversion.red.{} = [1]\n", key, what);
+    EXPECT_EQ(says(red), "accepted");  // it is that of the blue version
+    EXPECT_THAT(says(fmt::format("{}version.blue.{} = [1]\n", red, what)),
+                HasSubstr(fmt::format(
+                    "'{0}' sets version.red.{1}, version.blue.{1}, which are each", key, what)));
+  }
+}
+
+// The profile sets all values of the display, so it is set before one of them.
+TEST(SweepDesign, TheDisplaysProfileIsSetBeforeItsValuesInAnyOrder) {
+  const auto set = [](const std::vector<std::string>& keys,
+                      const std::vector<std::string>& values) {
+    return condition_of(keys, values).set;
+  };
+  EXPECT_THAT(set({"hmd.width", "ball.mass", "hmd.profile"}, {"640", "6", "'flight-helmet'"}),
+              ElementsAre("hmd.profile='flight-helmet'", "hmd.width=640", "ball.mass=6"));
+  EXPECT_THAT(set({"hmd.profile", "hmd.width"}, {"'flight-helmet'", "640"}),
+              ElementsAre("hmd.profile='flight-helmet'", "hmd.width=640"));
 }
 
 // McKay, Beckman and Conover (1979): each of the n parts of each range is drawn from once.

@@ -78,6 +78,36 @@ TEST(SweepReport, ACommandSimulatesItsRow) {
                 row.values[3]);
 }
 
+// `replay --iterations` is refused beside converged detection, and the profile sets all of the display.
+TEST(SweepReport, ACommandIsTakenWhateverTheRow) {
+  const Design design = parse_design(
+      "trials = ['a.lcmlog']\n[grid]\nhmd.width = [640]\nhmd.profile = ['flight-helmet']\n"
+      "detection = ['converged', 'paper']\niterations = [5]\n",
+      "s.toml");
+  const Rows rows(design, {"A"});
+  EXPECT_EQ(command_of(rows, rows.at(0), "sweep"),
+            "headpin replay sweep/trials/a.lcmlog --set hmd.profile=flight-helmet --set "
+            "hmd.width=640 --detection converged --set collision.iterations=5");
+}
+
+TEST(SweepReport, APointSaysHowManyOfItsRowsHaveTheNumber) {
+  const Rows rows(kDesign, {"A", "B"});
+  Averages averages(rows);
+  for (std::int64_t i = 0; i < 12; ++i) {
+    averages.add(i, cells_with(rows, i, 4.0, "0", i > 6 ? "no" : ""));
+  }
+  const std::string html = html_report(rows, averages, 0, 1, "sweep", 12);
+  EXPECT_THAT(html, HasSubstr("shape = ellipsoid: 4, the mean of 6 rows<"));
+  Averages some(rows);
+  for (std::int64_t i = 0; i < 6; ++i) {
+    std::vector<std::string> cells = cells_with(rows, i, 4.0);
+    if (i > 0) cells[cells.size() - result_columns().size()].clear();  // skittles_down
+    some.add(i, cells);
+  }
+  EXPECT_THAT(html_report(rows, some, 0, 1, "sweep", 6),
+              HasSubstr("shape = ellipsoid: 4, the mean of 1 of 6 rows<"));
+}
+
 TEST(SweepReport, HasAMapForEachShapeWithItsExtremesAndNoForeignMarkup) {
   Design design = kDesign;
   design.grid[2].values[1] = "</script><b>";
