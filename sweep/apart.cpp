@@ -5,11 +5,13 @@
 #include <numbers>
 #include <stdexcept>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "scene/record/events.h"
+#include "scene/scenario/fields.h"
 
 namespace headpin::sweep {
 
@@ -41,6 +43,30 @@ void take(Difference& kept, const Difference& now) {
                                                       : std::nullopt;
   if (now.size > kept.size) kept = now;
   kept.first = first;
+}
+
+/// The numbers of a display, by name.
+struct DisplayNumbers {
+  std::vector<std::pair<std::string, double>> all = {};
+
+  template <typename T, typename... Rest>
+  void field(const char* name, T& value, const Rest&...) {
+    if constexpr (std::is_arithmetic_v<T>) all.emplace_back(name, static_cast<double>(value));
+  }
+};
+
+/// Refuses two displays: what both show is measured in one.
+void require_same_display(scene::Hmd a, scene::Hmd b, const Apart::Names& names) {
+  DisplayNumbers of_a, of_b;
+  scene::visit(of_a, a);
+  scene::visit(of_b, b);
+  for (std::size_t i = 0; i < of_a.all.size(); ++i) {
+    const double in_a = of_a.all[i].second, in_b = of_b.all[i].second;
+    if (in_a == in_b) continue;
+    throw std::invalid_argument(
+        fmt::format("{}: has hmd.{} = {}, {} has {}; expected the same display", names[1],
+                    of_a.all[i].first, in_b, names[0], in_a));
+  }
 }
 
 /// Refuses two stages whose balls and skittles are not the same ones.
@@ -144,6 +170,7 @@ Apart::Apart(const scene::Session& a, const scene::Session& b, std::string_view 
                     names_[1], rate_b, names_[0], rate_a));
   }
   require_same_bodies(*a.stage, *b.stage, names_);
+  require_same_display(a.scenario().hmd, b.scenario().hmd, names_);
   const std::vector<std::string> bodies = names_of_places(*a.stage);
   pixel_ = pixel_of(a.scenario().hmd.optics);
   limit_ = std::max(pixel_, kDetail.value);

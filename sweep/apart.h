@@ -88,7 +88,7 @@ class Apart {
 
   /// @param a, b  at their start, with the same tick rate and names of bodies
   /// @param gl    as render::open_context; both sessions are drawn with it
-  /// @throws std::invalid_argument  for other bodies or another tick rate
+  /// @throws std::invalid_argument  for other bodies, another tick rate or another display
   /// @throws std::runtime_error     when no OpenGL context works
   Apart(const scene::Session& a, const scene::Session& b, std::string_view gl = {},
         Names names = {"one trial", "another trial"});

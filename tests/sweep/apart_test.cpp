@@ -240,6 +240,13 @@ TEST(Apart, RefusesOtherBodiesRatesAndHeads) {
               Apart(a.session, few.session, {}, {"a.lcmlog", "b.lcmlog"});
             }),
             "b.lcmlog: has 3 skittles, a.lcmlog has 10; expected the same balls and skittles");
+  scene::Scenario narrow = scenario;
+  narrow.hmd.optics.horizontal_fov_deg = 20.0;
+  Played other_display(narrow, hand);
+  EXPECT_THAT(
+      complaint([&] { Apart(a.session, other_display.session); }),
+      HasSubstr("another trial: has hmd.horizontal_fov_deg = 20, one trial has 75; expected "
+                "the same display"));
   Played turned(scenario, with_head(scenario, hand, looking(true)));
   Apart apart(a.session, turned.session, {}, {"a.lcmlog", "b.lcmlog"});
   EXPECT_THAT(complaint([&] {
