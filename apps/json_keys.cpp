@@ -302,8 +302,8 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"place", "difference of the place of a body on the retina; `size` in arcmin"},
     {"planned", "number of rows of a sweep, or of the part of it that was asked for"},
     {"planned_speed_mps",
-     "speed of the ball that was asked for; release_speed_mps is the speed that a session finds "
-     "from the samples"},
+     "speed of the ball that was asked for, times release.speed of the scenario; release_speed_mps is "
+     "the speed that a session finds from the samples"},
     {"points", "points of a game under its rules"},
     {"position_m", "centre of the ball at the time of its release, in the world"},
     {"power", "statistical power of a study, by its number of people"},

@@ -47,7 +47,8 @@ std::string duration_in_words(double seconds) {
   const auto whole = static_cast<std::int64_t>(std::ceil(seconds));
   if (whole < 60) return fmt::format("{} s", whole);
   if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
-  return fmt::format("{} h {:02} min", whole / 3600, (whole % 3600 + 59) / 60);
+  const std::int64_t minutes = (whole + 59) / 60;
+  return fmt::format("{} h {:02} min", minutes / 60, minutes % 60);
 }
 
 SweepProgress progress_of(const sweep::Sweep& sweep) {

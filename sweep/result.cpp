@@ -72,7 +72,7 @@ std::vector<std::string> Result::cells(const scene::Session& session) const {
     }
   }
   if (last_awake_ < session.tick) {
-    rest = seconds(tick_time(last_awake_, session.scenario().rates.physics_hz));
+    rest = nearest_seconds(tick_time(last_awake_, session.scenario().rates.physics_hz));
   }
   return {fmt::format("{}", score_.skittles_down),
           fmt::format("{}", score_.felled_by_hand),
@@ -83,7 +83,7 @@ std::vector<std::string> Result::cells(const scene::Session& session) const {
           fmt::format("{}", lost),
           maybe(rest),
           maybe(apart_arcmin_),
-          fmt::format("{}", seconds(session.now())),
+          fmt::format("{}", nearest_seconds(session.now())),
           fmt::format("{}", statistics.impacts),
           fmt::format("{}", statistics.queries.capped),
           fmt::format("{}", statistics.unfinished_impacts),

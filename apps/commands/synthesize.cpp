@@ -182,6 +182,7 @@ void synthesize(const SynthesizeOptions& options) {
   const std::size_t samples =
       csv ? write_csv(options, motion, seed) : write_trial(options, motion, scenario, seed);
   const scene::Delivered ball = scene::delivered_by(motion, scenario);
+  const double speed = scenario.release.speed * motion.ball_speed();
   if (options.json) {
     print_json({{"output", *options.output},
                 {"seed", seed},
@@ -189,7 +190,7 @@ void synthesize(const SynthesizeOptions& options) {
                 {"duration_s", seconds(motion.duration())},
                 {"grab_s", seconds(motion.grab())},
                 {"release_s", seconds(motion.release())},
-                {"planned_speed_mps", motion.ball_speed()},
+                {"planned_speed_mps", speed},
                 {"level_speed_mps", ball.speed},
                 {"board", ball.board},
                 {"launch_angle_deg", ball.angle_deg},
@@ -206,8 +207,7 @@ void synthesize(const SynthesizeOptions& options) {
       "  release            {:.3f} s\n"
       "  planned speed      {:.2f} m/s\n",
       *options.output, samples, csv ? "head and both hands" : "head, hand and trigger",
-      seconds(motion.duration()), seconds(motion.grab()), seconds(motion.release()),
-      motion.ball_speed());
+      seconds(motion.duration()), seconds(motion.grab()), seconds(motion.release()), speed);
   if (csv) return;
   std::cout << fmt::format(
       "  planned way        board {:.1f}, {:.1f} degrees to the {}\n"

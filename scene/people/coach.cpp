@@ -9,6 +9,7 @@
 
 #include "base/random.h"
 #include "scene/play/ball_path.h"
+#include "scene/play/player.h"
 
 namespace headpin::scene {
 
@@ -104,6 +105,7 @@ Delivered delivered_by(const ThrowMotion& motion, const Scenario& scenario) {
   ball.X_WB.p = X_WH * scenario.hand.grip;
   ball.v_WB = released.v;
   ball.w_WB = released.w + X_WH.q * scenario.hand.spin;
+  ball = changed(ball, scenario.release, scenario.lane.width / kBoards);
   return delivered(room_measures(scenario), ball);
 }
 

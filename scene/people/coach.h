@@ -45,7 +45,8 @@ TriedThrow draw(const CoachedThrow& wanted, ThrowPlan plan, const Scenario& scen
 /// frame of the hand [rad/s].
 Vec3 fingers_spin(const ThrowMotion& motion, const Hand& hand, const Delivered& spin);
 
-/// The ball of a motion at its release, as a tracker without noise would see it.
+/// The ball of a motion at its release, as a tracker without noise would see it, with the change of
+/// the scenario's [release].
 Delivered delivered_by(const ThrowMotion& motion, const Scenario& scenario);
 
 }  // namespace headpin::scene

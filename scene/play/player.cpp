@@ -177,20 +177,10 @@ Carried from_fingers(Carried carried, const Player& player, const Hand& hand) {
   return carried;
 }
 
-/// A ball that leaves the hand with a change.
-///
-/// @param board  width of a board of the lane [m]
 Carried changed(Carried carried, const ReleaseChange& by, double board) {
   if (by == ReleaseChange{}) return carried;
-  constexpr double kRadian = std::numbers::pi / 180.0;
-  engine::State& state = carried.state;
-  const Vec3 up(0.0, 0.0, 1.0);
-  state.v_WB = by.speed * (rotation(-(by.direction_deg * kRadian) * up) * state.v_WB);
-  state.X_WB.p += Vec3(-by.boards * board, 0.0, by.height);
-  state.w_WB = by.revs * (rotation(by.rotation_deg * kRadian * up) * state.w_WB);
-  const Vec3 level(state.v_WB.x(), state.v_WB.y(), 0.0);
-  if (level.norm() > 0.0) state.w_WB += by.spin * level.normalized();
-  carried.motion.V_WB = {state.v_WB, state.w_WB};
+  carried.state = changed(carried.state, by, board);
+  carried.motion.V_WB = {carried.state.v_WB, carried.state.w_WB};
   return carried;
 }
 
@@ -348,6 +338,18 @@ void forget(Player& player, Time now) {
   player.buttons.erase(player.buttons.begin(), later);
   player.head.forget_before(now - kMemory);
   player.hand.forget_before(now - kMemory);
+}
+
+engine::State changed(engine::State state, const ReleaseChange& by, double board) {
+  if (by == ReleaseChange{}) return state;
+  constexpr double kRadian = std::numbers::pi / 180.0;
+  const Vec3 up(0.0, 0.0, 1.0);
+  state.v_WB = by.speed * (rotation(-(by.direction_deg * kRadian) * up) * state.v_WB);
+  state.X_WB.p += Vec3(-by.boards * board, 0.0, by.height);
+  state.w_WB = by.revs * (rotation(by.rotation_deg * kRadian * up) * state.w_WB);
+  const Vec3 level(state.v_WB.x(), state.v_WB.y(), 0.0);
+  if (level.norm() > 0.0) state.w_WB += by.spin * level.normalized();
+  return state;
 }
 
 void drive(Player& player, std::span<const devices::Sample> samples, const Tick& tick) {

@@ -60,6 +60,11 @@ void follow(Player& player, std::span<const devices::Sample> samples, const Scen
 /// Removes the buttons up to `now`, and old poses.
 void forget(Player& player, Time now);
 
+/// A ball that leaves the hand with a change.
+///
+/// @param board  width of a board of the lane [m]
+engine::State changed(engine::State state, const ReleaseChange& by, double board);
+
 /// Moves head and hand by the samples, and obeys the buttons: walk, grab, carry, release.
 ///
 /// Poses are those of `rig.delay_s` before now; a ball that was released between two ticks flies

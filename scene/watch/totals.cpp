@@ -193,7 +193,7 @@ nlohmann::json summary(const Session& s, const Score& score) {
               {"throws", to_json(score.throws)},
               {"release_speed_mps", number(score.release_speed)},
               {"impact_speed_mps", number(score.impact_speed)},
-              {"simulated_s", seconds(s.now())},
+              {"simulated_s", nearest_seconds(s.now())},
               {"ticks", s.tick},
               {"ledger", to_json(energies_of(s.world.ledger))},
               {"statistics", to_json(s.statistics)},

@@ -155,6 +155,20 @@ TEST(ACoachedThrow, MayHaveASmallBall) {
   EXPECT_NO_THROW(ThrowMotion(plan, scenario.hand));
 }
 
+// What is said of the planned throw is what the session does with it.
+TEST(ACoachedThrow, IsToldWithTheChangeOfTheScenariosRelease) {
+  Scenario scenario;
+  const ThrowMotion motion(draw({.speed = Wanted{7.0, 0.0}}, {}, scenario).plan, scenario.hand);
+  const Delivered own = delivered_by(motion, scenario);
+  scenario.release.speed = 0.8;
+  scenario.release.boards = 5.0;
+  scenario.release.direction_deg = 2.0;
+  const Delivered changed = delivered_by(motion, scenario);
+  EXPECT_NEAR(changed.speed, 0.8 * own.speed, 1e-9);
+  EXPECT_NEAR(changed.board, own.board + 5.0, 1e-9);
+  EXPECT_NEAR(changed.angle_deg, own.angle_deg + 2.0, 1e-9);
+}
+
 TEST(ACoachedThrow, RefusesALoftOutOfReach) {
   const auto complaint = [](double loft) -> std::string {
     try {

@@ -48,5 +48,18 @@ TEST(Result, EnergyIsLostToContactsWhetherBodiesSleepOrLieAwake) {
   EXPECT_GT(given_back[1] - given_back[0], 1.0);  // skittles that lie awake
 }
 
+// 1.004166, as other tables have it, and not 1.0041659999999999.
+TEST(Result, TimesAreDecimalNumbersOfMicroseconds) {
+  scene::Session session = scene::make_session(scene::Scenario{});
+  devices::ReplaySource source({});
+  Result result(nullptr, session.scenario().rates);
+  while (session.tick < 480) {
+    scene::advance(session, source);
+    result.tick(session);
+    const double time = std::stod(result.cells(session).at(column("simulated_s")));
+    EXPECT_EQ(time, nearest_seconds(session.now()));
+  }
+}
+
 }  // namespace
 }  // namespace headpin::sweep
