@@ -79,7 +79,6 @@ std::size_t ReleaseGrid::number(const std::array<std::size_t, 7>& places) const 
 }
 
 std::array<std::size_t, 7> ReleaseGrid::unchanged() const {
-  constexpr std::array<double, 7> kUnchanged = {1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0};
   std::array<std::size_t, 7> places{};
   for (std::size_t i = 0; i < places.size(); ++i) {
     const auto nearest = std::ranges::min_element(

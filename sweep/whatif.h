@@ -37,6 +37,8 @@ struct ReleaseGrid {
     kRevsAxis,
     kRotationAxis
   };
+  /// The values that change nothing.
+  static constexpr std::array<double, 7> kUnchanged = {1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0};
 
   /// All axes; the first one changes fastest from a release to the next.
   std::array<const std::vector<double>*, 7> axes() const {

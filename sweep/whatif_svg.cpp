@@ -148,7 +148,6 @@ std::string title_of(const WhatIf& whatif) {
 /// each value a column or a row of maps.
 struct MapAxes {
   std::size_t up, column, row;  ///< of ReleaseGrid::axes()
-  double unchanged;             ///< the value of `up` that changes nothing
   const char* label;            ///< of `up`
   /// Where a throw is on `up`, beside the recorded one.
   std::optional<double> (*place)(const scene::ThrowRow& own, const scene::ThrowRow& recorded);
@@ -161,7 +160,6 @@ const MapAxes& over_speed() {
       ReleaseGrid::kSpeedAxis,
       ReleaseGrid::kSpinAxis,
       ReleaseGrid::kHeightAxis,
-      1.0,
       "part of the speed",
       [](const scene::ThrowRow& own, const scene::ThrowRow& recorded) {
         return std::optional(execution_of(own)->speed / execution_of(recorded)->speed);
@@ -178,7 +176,6 @@ const MapAxes& over_boards() {
       ReleaseGrid::kBoardsAxis,
       ReleaseGrid::kSpeedAxis,
       ReleaseGrid::kRevsAxis,
-      0.0,
       "boards to the left",
       [](const scene::ThrowRow& own, const scene::ThrowRow& recorded) {
         if (!own.path || !recorded.path) return std::optional<double>();
@@ -258,7 +255,7 @@ class Maps {
           "<circle cx='{:.1f}' cy='{:.1f}' r='3.5' fill='none' stroke='#000'/>\n",
           left + kPlot * x, top + kPlot * (1.0 - y), left + kPlot * x, top + kPlot * (1.0 - y));
     }
-    return svg + real_throw(left, top);
+    return svg;
   }
 
   /// Whether a value is on an axis: in one of its cells, or the only value itself.
@@ -267,12 +264,31 @@ class Maps {
     return place(axis, value) >= 0.0 && place(axis, value) <= 1.0;
   }
 
+  /// What the other axes are in a map.
+  std::array<std::size_t, 7> places_in(std::size_t row, std::size_t column) const {
+    auto places = whatif_.grid.unchanged();
+    places[axes_.row] = row;
+    places[axes_.column] = column;
+    return places;
+  }
+
+  /// Whether all that a map does not show is as it was.
+  bool is_of_real_throw(std::size_t row, std::size_t column) const {
+    const auto places = places_in(row, column);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (i == ReleaseGrid::kDirectionAxis || i == axes_.up) continue;
+      if ((*whatif_.grid.axes()[i])[places[i]] != ReleaseGrid::kUnchanged[i]) return false;
+    }
+    return true;
+  }
+
   /// A cross at the release as it was, where the map has that place.
   std::string real_throw(double left, double top) const {
-    if (!is_on(right_, 0.0) || !is_on(up_, axes_.unchanged)) return "";
+    const double unchanged = ReleaseGrid::kUnchanged[axes_.up];
+    if (!is_on(right_, 0.0) || !is_on(up_, unchanged)) return "";
     std::string svg;
     const double x = left + kPlot * place(right_, 0.0);
-    const double y = top + kPlot * (1.0 - place(up_, axes_.unchanged));
+    const double y = top + kPlot * (1.0 - place(up_, unchanged));
     for (const auto& [stroke, wide] : {std::pair("#fff", 4.0), {kReal, 2.0}}) {
       svg += fmt::format(
           "<path d='M{0:.1f} {2:.1f}H{1:.1f}M{3:.1f} {4:.1f}V{5:.1f}' stroke='{6}' "
@@ -286,9 +302,7 @@ class Maps {
     std::string svg;
     const double wide = kPlot / static_cast<double>(right_.size());
     const double tall = kPlot / static_cast<double>(up_.size());
-    auto places = whatif_.grid.unchanged();
-    places[axes_.row] = row;
-    places[axes_.column] = column;
+    auto places = places_in(row, column);
     for (std::size_t d = 0; d < right_.size(); ++d) {
       places[ReleaseGrid::kDirectionAxis] = d;
       for (std::size_t u = 0; u < up_.size(); ++u) {
@@ -324,7 +338,8 @@ class Maps {
     svg += fmt::format(
         "<text transform='translate({:.1f} {:.1f}) rotate(-90)' text-anchor='middle'>{}</text>\n",
         left - 36, top + kPlot / 2, axes_.label);
-    return svg + own_throws(left, top);
+    svg += own_throws(left, top);
+    return is_of_real_throw(row, column) ? svg + real_throw(left, top) : svg;
   }
 
   const WhatIf& whatif_;

@@ -155,14 +155,24 @@ TEST_F(WhatIfCommand, AGridWithoutTheThrowItselfIsNotTakenForIt) {
   ASSERT_EQ(away.code, 0) << away.err;
   EXPECT_THAT(away.out, HasSubstr("\nmiss room         not in the grid"));
   EXPECT_FALSE(has_cross("boards.svg"));
-  EXPECT_TRUE(has_cross("map.svg"));
-  for (const char* axes : {" --speed 1 --direction 1", " --speed 0.8 --direction 0",
-                           " --speed 1 --direction 3:9:3", " --speed 1.5:2:3 --direction 0"}) {
+  EXPECT_FALSE(has_cross("map.svg"));
+  for (const char* axes :
+       {" --speed 1 --direction 1", " --speed 0.8 --direction 0", " --speed 1 --direction 3:9:3",
+        " --speed 1.5:2:3 --direction 0", " --speed 1 --direction 0 --revs 1.5"}) {
     ASSERT_EQ(of(axes).code, 0);
     EXPECT_FALSE(has_cross("map.svg")) << axes;
   }
   ASSERT_EQ(of(" --speed 0.9:1.1:2 --direction -1:1:3").code, 0);
   EXPECT_TRUE(has_cross("map.svg"));  // between two cells
+  fs::remove_all(folder_ / "w");
+  ASSERT_EQ(headpin("whatif '" + kDemo +
+                    "' -o w --within 0 --speed 1 --direction 0 --height 0:0.1:2 --spin -5:5:3")
+                .code,
+            0);
+  const std::string map = slurp(folder_ / "w/map.svg");
+  const std::size_t cross = map.find("stroke='#d03020'");
+  ASSERT_NE(cross, map.npos);
+  EXPECT_EQ(map.find("stroke='#d03020'", cross + 1), map.npos);  // in one of six maps
 }
 
 // Sessions of a study all have a run-01.
