@@ -36,6 +36,36 @@ std::string evened_obj(std::string_view bytes) {
   return evened;
 }
 
+/// How many numbers a line has that is a vertex; 0 of other lines.
+std::size_t numbers_of_vertex(std::string_view line) {
+  constexpr std::string_view kBlank = " \t\r";
+  std::size_t numbers = 0;
+  if (!line.starts_with("v ")) return numbers;
+  for (std::size_t at = 1; (at = line.find_first_not_of(kBlank, at)) != line.npos; ++numbers) {
+    at = std::min(line.find_first_of(kBlank, at), line.size());
+  }
+  return numbers;
+}
+
+/// An OBJ in which all vertices have a colour if one has. Assimp would give the colours, in their order,
+/// to the first vertices, and black to the others.
+std::string with_all_colours(const std::string& text) {
+  std::string all;
+  bool some = false;
+  for (std::string_view rest = text; !rest.empty();) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size() - 1) + 1;
+    const std::string_view line = rest.substr(0, end);
+    rest.remove_prefix(end);
+    const std::size_t numbers = numbers_of_vertex(line.substr(0, line.find('\n')));
+    some = some || numbers >= 6;
+    const std::size_t last = numbers == 3 ? line.find_last_not_of(" \t\r\n") + 1 : line.size();
+    all += line.substr(0, last);
+    if (numbers == 3) all += " 1 1 1";
+    all += line.substr(last);
+  }
+  return some ? all : text;
+}
+
 }  // namespace
 
 std::string plain_obj(std::string_view bytes) {
@@ -55,7 +85,7 @@ std::string plain_obj(std::string_view bytes) {
       throw std::runtime_error(fmt::format("line {}: a vertex is not a number", number));
     }
   }
-  return text;
+  return with_all_colours(text);
 }
 
 void require_faces(std::span<const std::uint32_t> sizes, std::span<const std::uint32_t> corners,

@@ -10,7 +10,8 @@
 namespace headpin::scene {
 
 /// An OBJ without the lines that name materials, without comments, a byte order mark and blanks before
-/// its lines, and with line feeds where the file has carriage returns alone.
+/// its lines, and with line feeds where the file has carriage returns alone. Where some vertices have
+/// colours, the others are white.
 ///
 /// @throws std::runtime_error  with the reason alone, where a vertex is what assimp would take for 0
 std::string plain_obj(std::string_view bytes);

@@ -279,6 +279,24 @@ TEST(MeshFile, HasTheColoursItSays) {
   EXPECT_LT((points.colours[0] - render::srgb(0xff8000)).norm(), 3e-3);
 }
 
+// What has no colours beside what has some is white. It was black, or had the colours of the others.
+TEST(MeshFile, KeepsTheColoursOfSomeOfItsMeshes) {
+  const std::string red = "o a\nv 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\n";
+  const std::string plain = "o b\nv 0 0 2\nv 1 0 2\nv 0 1 2\n";
+  for (const bool plain_first : {false, true}) {
+    const std::filesystem::path path =
+        file("headpin_some_colours.obj",
+             (plain_first ? plain + "f 1 2 3\n" + red : red + "f 1 2 3\n" + plain) + "f 4 5 6\n");
+    const MeshData mesh = mesh_of(read_mesh_file(path), path, {.unit = 1.0, .axes = "RAS"});
+    ASSERT_EQ(mesh.points.size(), 6u);
+    ASSERT_EQ(mesh.colours.size(), 6u);
+    for (std::size_t i = 0; i < 6; ++i) {
+      const Vec3 colour = mesh.points[i].z() == 2.0 ? Vec3(1.0, 1.0, 1.0) : Vec3(1.0, 0.0, 0.0);
+      EXPECT_LT((mesh.colours[i] - colour).norm(), 1e-6) << i;
+    }
+  }
+}
+
 /// Under AddressSanitizer an allocation that fails ends the process that asks.
 #ifdef HEADPIN_SANITIZED
 constexpr const char* kTooMuch = "crashes";
