@@ -1,6 +1,7 @@
 #include "sweep/runner.h"
 
 #include <algorithm>
+#include <new>
 #include <stdexcept>
 
 #include "base/input_file.h"
@@ -43,6 +44,8 @@ const Frames& own_condition(const Trial& trial) {
   std::call_once(trial.own->once, [&] {
     try {
       trial.own->frames = frames_of(trial);
+    } catch (const std::bad_alloc&) {
+      throw;  // the next row tries again
     } catch (const std::exception&) {
       trial.own->frames.clear();
     }
@@ -118,6 +121,8 @@ std::vector<std::string> Replayer::run(std::size_t number, const std::vector<std
     return run.sum.cells(run.session);
   } catch (const Interrupted& interrupted) {
     std::rethrow_exception(interrupted.why);
+  } catch (const std::bad_alloc&) {
+    throw;  // the machine's, not the row's: a later run has the row
   } catch (const std::exception& error) {
     return failed_cells(error.what());
   }

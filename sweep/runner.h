@@ -45,7 +45,7 @@ class Replayer {
   /// @param values  of the keys, in their order
   /// @param check   called at every tick; may throw
   /// @return  the cells of result_columns(); a replay that fails has its reason in the last
-  /// @throws  whatever `check` throws
+  /// @throws  whatever `check` throws, and std::bad_alloc: memory that is out is not the row's error
   std::vector<std::string> run(std::size_t trial, const std::vector<std::string>& values,
                                const std::function<void()>& check);
 
