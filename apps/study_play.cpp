@@ -98,7 +98,10 @@ scene::Scenario scenario_of(const Study& study, const study::PlannedParticipant&
   }
   if (!rig_of.empty()) {
     const scene::TrialFile file(rig_of);
-    scenario.rig = scene::scenario_of_trial(file.summary().header.scenario, rig_of).rig;
+    const scene::Scenario its = scene::scenario_of_trial(file.summary().header.scenario, rig_of);
+    scenario.rig = its.rig;
+    scenario.hand.grip = its.hand.grip;  // of a left hand the mirror image
+    scenario.hand.spin = its.hand.spin;
   }
   scene::check(scenario, study.at.scenario().string());
   return scenario;

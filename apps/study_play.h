@@ -13,7 +13,8 @@ namespace headpin::apps {
 
 /// The scenario of a participant: that of the study, with the two versions of the plan.
 ///
-/// @param rig_of  a trial whose samples are played, in the tracker and rig of its own; empty for none
+/// @param rig_of  a trial whose samples are played, in its own rig and with its own grip and spin of the hand; empty
+///                for none
 scene::Scenario scenario_of(const Study& study, const study::PlannedParticipant& participant,
                             const std::string& rig_of = "");
 

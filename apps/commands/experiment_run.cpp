@@ -225,7 +225,8 @@ void add_experiment_run(CLI::App& group) {
                     "a virtual participant plays; trial and tables say so");
   command->add_option(
       "--trial", options->trial,
-      "play the samples of this trial without waiting, with the trial's own tracker mounting");
+      "play the samples of this trial without waiting, with the trial's own tracker mounting, grip "
+      "and spin of the hand");
   command->add_flag("--all", options->all, "with --virtual: everybody who has not played yet");
   command->add_option("--jobs", options->jobs, "with --all: number of sessions to run in parallel")
       ->check(whole_number_from(1, 256))

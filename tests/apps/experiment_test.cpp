@@ -7,6 +7,7 @@
 
 #include <unistd.h>
 
+#include "scene/watch/recorded.h"
 #include "tests/apps/command_line.h"
 
 namespace headpin {
@@ -355,6 +356,19 @@ TEST_F(Experiment, ATrialIsPlayedUnderTheParticipantsConditions) {
   // A person's: nobody says that it is virtual.
   ASSERT_EQ(headpin("synthesize --participant 7 --throws 1 --name Ann -o t.lcmlog").code, 0);
   EXPECT_EQ(json("experiment run a --participant p002 --trial t.lcmlog --json")["virtual"], false);
+}
+
+// As of a left hand, whose grip is the mirror image of the scenario's.
+TEST_F(Experiment, ATrialIsPlayedWithTheGripOfItsOwnHand) {
+  plan_short("a", 1);
+  ASSERT_EQ(headpin("synthesize --participant 7 --throws 1 --name Ann -o t.lcmlog").code, 0);
+  const std::string hand = "--set 'hand.grip=[-0.02,-0.03,-0.115]' --set 'hand.spin=[1,2,3]'";
+  ASSERT_EQ(headpin("replay t.lcmlog -o left.lcmlog " + hand).code, 0);
+  ASSERT_EQ(headpin("experiment run a --participant p001 --trial left.lcmlog").code, 0);
+  const std::string run = (folder_ / "a/sessions/p001/run-01.lcmlog").string();
+  const scene::Hand played = scene::load_trial(run).scenario.hand;
+  EXPECT_EQ(played.grip, Vec3(-0.02, -0.03, -0.115));
+  EXPECT_EQ(played.spin, Vec3(1.0, 2.0, 3.0));
 }
 
 TEST_F(Experiment, ALiveSessionIsRecordedUnderTheParticipantsName) {
