@@ -92,6 +92,8 @@ engine::World count_ahead(const Session& s, const Moment& moment, std::vector<Ev
     const std::int64_t next = tick.moment.tick + 1;
     tick.moment = {tick_time(next, s.scenario().rates.physics_hz), next};
   } while (game.thrown);
+  // Where no ball is counted, as after the last frame, it is still on its way.
+  if (auto path = ball_path_so_far(game, world, moment)) out.push_back(std::move(*path));
   return world;
 }
 

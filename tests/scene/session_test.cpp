@@ -461,5 +461,30 @@ TEST(SessionTest, TheRigSaysWhatIsWornWhere) {
   EXPECT_EQ(head_pose(session)->p, on_four.X_TS.p);
 }
 
+// Where nothing is counted, its way ends with its version.
+TEST(Versions, ABallThatIsLetGoAtTheButtonOfAnotherHasAWayThatIsNotCounted) {
+  Scenario scenario;
+  scenario.version.buttons = true;
+  scenario.version.radius = 0.02;
+  scenario.game.rules = GameKind::one_throw;
+  scenario.version.red.button = scenario.ball.home - scenario.hand.grip;
+  const auto samples = straight_throw(scenario);
+  int in_one_tick = 0;
+  for (double ahead = 0.0; ahead < 0.1; ahead += 0.004) {
+    scenario.version.blue.button = Vec3(0.0, ahead, 0.25) - scenario.hand.grip;
+    const Outcome found = play(scenario, samples, 1.0);
+    const auto releases = of_kind(found, std::string(kind::release));
+    const auto versions = of_kind(found, std::string(kind::version));
+    if (releases.size() != 1 || versions.size() != 2) continue;
+    if (releases[0]->tick != versions[1]->tick) continue;
+    ++in_one_tick;
+    const auto paths = of_kind(found, std::string(kind::ball_path));
+    ASSERT_EQ(paths.size(), 1u) << ahead;
+    EXPECT_LT(paths[0], versions[1]) << "before the version began";
+    EXPECT_EQ(paths[0]->tick, versions[1]->tick);
+  }
+  EXPECT_GT(in_one_tick, 0);
+}
+
 }  // namespace
 }  // namespace headpin::scene
