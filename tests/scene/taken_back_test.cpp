@@ -1,5 +1,7 @@
 // A ball that is in the hand again soon: referee and score sheet say the same of its foul.
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 
 #include "devices/base/sources.h"
@@ -35,10 +37,12 @@ std::vector<devices::Sample> caught_at(const Scenario& scenario, Time again) {
     hand.X_TS.p = (i < 30 ? scenario.ball.home : Vec3(0.0, 0.3, 1.2)) - scenario.hand.grip;
     samples.emplace_back(hand);
   }
-  for (const auto& [time, down] :
-       {std::pair(Time{100'000}, true), {Time{2'000'000}, false}, {again, true}}) {
+  const auto trigger = [&](Time time, bool down) {
     samples.emplace_back(devices::MouseSample{.device_time = time, .trigger = down});
-  }
+  };
+  trigger(Time{100'000}, true);
+  trigger(Time{2'000'000}, false);
+  trigger(again, true);
   return samples;
 }
 
