@@ -164,7 +164,7 @@ bool set_rack(const Field& f) {
   bool taken = false;
   for (const engine::BodyId skittle : f.stage.skittles) {
     const bool in_hand = skittle == f.held;
-    if (in_hand && !f.tells_apart()) continue;
+    if (in_hand && !f.tells_apart() && !sets_up_what_is_held(f.world.parameters)) continue;
     taken |= in_hand;
     set_up(f, skittle);
   }

@@ -31,10 +31,16 @@ inline bool sets_when_none_is_left(const engine::Parameters& p) {
   return p.rules >= 11;
 }
 
-// Since rules 12: a release that is known late.
+// Since rules 12: a release that is known late, and a skittle in the hand.
 
 /// A ball whose trigger came more than a tick late has fallen since then.
 inline bool falls_until_a_late_release(const engine::Parameters& p) {
+  return p.rules >= 12;
+}
+
+/// A skittle in the hand is set up with the others also where those that the hand fells count. Else it
+/// stayed counted, and the next frame had one less.
+inline bool sets_up_what_is_held(const engine::Parameters& p) {
   return p.rules >= 12;
 }
 

@@ -336,6 +336,24 @@ TEST(Referee, ASkittleHeldAsTheBallIsCountedIsTheHandsAndStandsForTheNextFrame) 
   }
 }
 
+TEST(Referee, ASkittleThatWasCountedInTheHandStandsForTheNextFrame) {
+  for (const std::int64_t rules : {11, 12}) {
+    Scenario scenario = with_rules(GameKind::plain, 2, 1);
+    scenario.game.hand_fells = HandFells::counted;
+    scenario.collision.rules = rules;
+    ByHand play(scenario);
+    const engine::BodyId held = play.stage().skittles.back();
+    engine::set_kind(play.world(), held, engine::Kind::driven);
+    play.put(held, {-1.5, -0.5, 1.0}, Vec3::Zero());
+    play.wait(0.2, held);
+    play.let_fly({0.49, 0.5, 0.11}, {0.0, 3.0, 0.0});
+    play.until([&] { return !play.of_kind(kind::frame).empty(); }, 10.0, held);
+    ASSERT_EQ(play.of_kind(kind::delivery).front()->value, 1.0) << rules;
+    EXPECT_EQ(play.game().swept[held], rules < 12 ? 1 : 0);
+    EXPECT_EQ(play.taken(), rules >= 12);
+  }
+}
+
 // The law of a throw: v / g up, as long down again; it is not counted before it is down.
 TEST(Referee, ABallThrownStraightUpIsCountedOnceItIsDown) {
   ByHand play(with_rules(GameKind::plain, 2, 2));

@@ -46,11 +46,11 @@ std::vector<devices::Sample> caught_at(const Scenario& scenario, Time again) {
   return samples;
 }
 
-struct Verdict {
+struct FoulVerdict {
   bool of_referee = false, on_sheet = false;
 };
 
-Verdict verdict(const Scenario& scenario, Time again) {
+FoulVerdict verdict(const Scenario& scenario, Time again) {
   Session session = make_session(scenario);
   devices::ReplaySource source(caught_at(scenario, again));
   std::vector<Event> events;
@@ -69,7 +69,7 @@ TEST(TakenBack, AFoulIsOnTheSheetExactlyWhereItCostsTheBall) {
   const Scenario scenario = with_fouls(BallEnds::rest);
   int fouls = 0, taken_back = 0;
   for (Time after{490'000}; after <= Time{510'000}; after += Time{1000}) {
-    const Verdict one = verdict(scenario, Time{2'000'000} + after);
+    const FoulVerdict one = verdict(scenario, Time{2'000'000} + after);
     EXPECT_EQ(one.on_sheet, one.of_referee) << after.count() << " us after the release";
     ++(one.of_referee ? fouls : taken_back);
   }
@@ -78,7 +78,7 @@ TEST(TakenBack, AFoulIsOnTheSheetExactlyWhereItCostsTheBall) {
 }
 
 TEST(TakenBack, NoBallIsWhereBallsEndOnceTheyAreSlow) {
-  const Verdict one = verdict(with_fouls(BallEnds::slow), Time{2'200'000});
+  const FoulVerdict one = verdict(with_fouls(BallEnds::slow), Time{2'200'000});
   EXPECT_TRUE(one.of_referee);
   EXPECT_TRUE(one.on_sheet);
 }
