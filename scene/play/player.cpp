@@ -10,6 +10,7 @@
 #include "devices/base/sources.h"
 #include "scene/play/hand.h"
 #include "scene/play/release.h"
+#include "scene/play/since.h"
 #include "scene/record/details.h"
 #include "scene/record/events.h"
 
@@ -194,12 +195,29 @@ Carried let_go(const Player& player, const Tick& tick, Time time, Time now) {
   return changed(changed(own, scenario.release, board), player.release_change, board);
 }
 
-/// How long gravity acts on a ball that left the hand `flown` before the step [s].
+/// For how long a ball that left the hand `flown` before the step has fallen by itself [s].
 double fall_before_step(const Tick& tick, double flown) {
-  const engine::Parameters& p = tick.world.parameters;
-  if (tick.stage.scenario.hand.falls_at_once) return flown;
-  if (!at_trigger(tick.stage.scenario.hand)) flown -= engine::step_seconds(tick.world);
-  return falls_until_a_late_release(p) ? std::max(0.0, flown) : 0.0;
+  const Hand& hand = tick.stage.scenario.hand;
+  if (!falls_until_a_late_release(tick.world.parameters)) return 0.0;
+  if (!at_trigger(hand) && !hand.falls_at_once) flown -= engine::step_seconds(tick.world);
+  return std::max(0.0, flown);
+}
+
+/// A ball after a fall of `time` [s]. It lies on what is fixed, and does not bounce.
+engine::State fallen(const Tick& tick, engine::BodyId body, engine::State state, double time) {
+  constexpr double kMostPieces = 240.0;
+  const Vec3& gravity = tick.world.parameters.gravity_W;
+  const double pieces =
+      std::clamp(std::ceil(time / engine::step_seconds(tick.world)), 1.0, kMostPieces);
+  const double dt = time / pieces;
+  for (int i = 0; i < static_cast<int>(pieces); ++i) {
+    engine::set_state(tick.world, body, state);
+    state.X_WB.p += dt * (state.v_WB + 0.5 * dt * gravity);
+    state.X_WB.q = (rotation(dt * state.w_WB) * state.X_WB.q).normalized();
+    state.v_WB += dt * gravity;
+    state = engine::outside_fixed(tick.world, body, state);
+  }
+  return state;
 }
 
 /// Releases the ball at `time` and lets it fly until `now`, which is less than a tick later unless the
@@ -218,18 +236,20 @@ void release(Player& player, const Tick& tick, Time time, Time now) {
                 .left_out = {}};
   double flown = seconds(now - time);
   if (at_trigger(hand)) flown -= engine::step_seconds(tick.world);
-  const double fell = fall_before_step(tick, flown);
-  const Vec3 gained = fell * tick.world.parameters.gravity_W;
+  const double fall = fall_before_step(tick, flown);
+  flown -= fall;
+  const Vec3 gained = flown * tick.world.parameters.gravity_W;
   state.X_WB.p += flown * state.v_WB;
   if (at_trigger(hand)) {
     state.X_WB.q = (rotation(flown * state.w_WB) * state.X_WB.q).normalized();
   }
-  if (fell != 0.0) state.X_WB.p += 0.5 * fell * gained;
+  if (hand.falls_at_once) state.X_WB.p += 0.5 * flown * gained;
   const Vec3 p_in_hand = state.X_WB.p;
   state = engine::outside_fixed(tick.world, body, state);
   *told.p_WB += state.X_WB.p - p_in_hand;
   const double speed = state.v_WB.norm();
-  if (fell != 0.0) state.v_WB += gained;
+  if (hand.falls_at_once) state.v_WB += gained;
+  if (fall > 0.0) state = fallen(tick, body, state, fall);
   player.held.reset();
   player.grip_changed = tick.moment.time;
   player.leaving = body;
