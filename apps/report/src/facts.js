@@ -156,26 +156,44 @@ function impulseOf(event) {
   return Math.hypot(...event.j) ? `${number(Math.hypot(...event.j))} N s` : kNone;
 }
 
-/** Indices [i, j] of ticks of two lists, each in order, that are nearest to each other and at most `most` apart. */
+/** Indices [i, j] of ticks of two lists, each in order, at most `most` apart: the next of each that are, in turn. */
+function pairsInTurn(a, b, most) {
+  const pairs = [];
+  for (let i = 0, j = 0; i < a.length && j < b.length;) {
+    if (Math.abs(a[i] - b[j]) <= most) pairs.push([i++, j++]);
+    else if (a[i] < b[j]) ++i;
+    else ++j;
+  }
+  return pairs;
+}
+
+/** The same with the nearest first; no pair crosses another. Where very many are near, in turn. */
 function nearestPairs(a, b, most) {
+  const kMostNear = 100_000;
   const near = [];
-  let from = 0;
-  a.forEach((tick, i) => {
-    while (from < b.length && b[from] < tick - most) ++from;
-    for (let j = from; j < b.length && b[j] <= tick + most; ++j) near.push([Math.abs(b[j] - tick), i, j]);
-  });
+  for (let i = 0, from = 0; i < a.length; ++i) {
+    while (from < b.length && b[from] < a[i] - most) ++from;
+    for (let j = from; j < b.length && b[j] <= a[i] + most; ++j) near.push([Math.abs(b[j] - a[i]), i, j]);
+    if (near.length > kMostNear) return pairsInTurn(a, b, most);
+  }
   near.sort(([one], [other]) => one - other);
-  const [ofA, ofB] = [new Set(), new Set()];
-  return near.flatMap(([, i, j]) => {
-    if (ofA.has(i) || ofB.has(j)) return [];
-    ofA.add(i);
-    ofB.add(j);
-    return [[i, j]];
-  });
+  const pairs = [];  // in order
+  for (const [, i, j] of near) {
+    let [at, end] = [0, pairs.length];
+    while (at < end) {
+      const middle = (at + end) >> 1;
+      if (pairs[middle][0] < i) at = middle + 1;
+      else end = middle;
+    }
+    const [before, after] = [pairs[at - 1], pairs[at]];
+    const crosses = (before && before[1] >= j) || (after && (after[0] === i || after[1] <= j));
+    if (!crosses) pairs.splice(at, 0, [i, j]);
+  }
+  return pairs;
 }
 
 /**
- * Events of two trials in one list. What happens to the same bodies in both within a second is one row, the nearest first.
+ * Events of two trials in one list. What happens to the same bodies in both within a second is one row: the nearest first, each in its order.
  * @param rate  ticks a second of both
  */
 export function paired(a, b, rate) {

@@ -192,3 +192,14 @@ test('events of two trials are paired with the nearest', () => {
   assert.deepEqual(ticks(paired([at(100)], [at(341)], 240)), [[100, undefined], [undefined, 341]]);
   assert.deepEqual(ticks(paired([at(100)], [at(100, 'touch', ['ball', 'wall'])], 240)), [[100, undefined], [undefined, 100]]);
 });
+
+test('pairs of events of two trials keep their order, also where very many are alike', () => {
+  const at = (tick) => ({ tick, kind: 'touch', bodies: ['ball', 'lane'] });
+  const ticks = (rows) => rows.map(({ a, b }) => [a?.tick, b?.tick]);
+  assert.deepEqual(ticks(paired([100, 150].map(at), [145, 160].map(at), 240)), [[100, undefined], [150, 145], [undefined, 160]]);
+  assert.deepEqual(ticks(paired([100, 100].map(at), [100, 100].map(at), 240)), [[100, 100], [100, 100]]);
+  const many = Array.from({ length: 20_000 }, (_, i) => at(i % 200));
+  const rows = paired(many, many.slice(1), 240);
+  assert.equal(rows.length, 20_000);
+  assert.equal(rows.filter(({ a, b }) => a && b).length, 19_999);
+});
