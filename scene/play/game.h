@@ -65,7 +65,8 @@ struct CaughtBall {
   Time since_release{};  ///< from tick to tick
 };
 
-/// Whether it does not count as thrown: then neither does its foul. Referee and score sheet decide by this.
+/// Whether it does not count as thrown: then neither does its foul. Referee and score sheet decide by
+/// this; the sheet knows of a ball beyond the line only that it was let go there.
 bool is_taken_back(const GameRules& rules, const CaughtBall& ball);
 
 /// The way of the ball that is watched, as far as it has come: the event of a trial that ends before

@@ -73,37 +73,52 @@ std::string in_words(const Sheet& sheet) {
                      fmt::join(sheet.marks, ", "));
 }
 
-/// Marks a foul, unless its ball is in the hand again before it counts as thrown.
+void Score::mark_foul(Sheet& game) {
+  const std::string foul = mark(game, "foul");
+  if (std::ranges::find(game.marks, foul) == game.marks.end()) game.marks.push_back(foul);
+  current_.foul = true;
+}
+
+void Score::take_back(Sheet& game, Time now) {
+  taken_back_ = {.at = now, .thrown = *current_.thrown, .foul = current_.foul};
+  std::erase(game.marks, mark(game, "foul"));
+  current_.thrown.reset();
+  current_.foul = false;
+}
+
+/// Marks a foul, unless its ball is in the hand again before it counts as thrown. The events have where a
+/// ball is let go, not where it is later: the referee also sees that a ball crosses the foul line.
 void Score::follow_ball(const Event& event, const Scenario& scenario, Sheet& game) {
   constexpr std::int64_t kFar = 1'000'000'000'000;  // a damaged log may have any tick
   const bool simulated = event.tick >= 0 && event.tick < kFar;
   const Time now = !simulated ? event.time : tick_time(event.tick, scenario.rates.physics_hz);
   if (event.kind == kind::foul && !game.over) {
-    const std::string foul = mark(game, "foul");
-    if (std::ranges::find(game.marks, foul) == game.marks.end()) game.marks.push_back(foul);
-    current_.foul = true;
+    mark_foul(game);
     if (!current_.thrown) current_.thrown = now;
   }
   if (event.kind == kind::first_contact) current_.struck = true;
   if (event.kind == kind::delivery) {
     current_.thrown.reset();
     current_.foul = current_.struck = false;
+    taken_back_.reset();
   }
   if (!is_of_ball(event)) return;
   const std::string& ball = event.bodies.front();
   if (event.kind == kind::release) {
-    current_.under_way.push_back(ball);
+    current_.under_way.insert(ball);
+    if (taken_back_ && taken_back_->at == now) {  // at the end of the tick no ball is in the hand
+      current_.thrown = taken_back_->thrown;
+      if (taken_back_->foul && !game.over) mark_foul(game);
+    }
+    taken_back_.reset();
     if (!current_.thrown) current_.thrown = now;
     if (scenario.game.hand_fells == HandFells::apart) current_.struck = false;
   }
   if (event.kind != kind::grab && event.kind != kind::ball_back) return;
-  std::erase(current_.under_way, ball);
+  current_.under_way.erase(ball);
   if (event.kind != kind::grab || !current_.thrown || !current_.under_way.empty()) return;
   const CaughtBall caught{current_.struck, current_.foul, now - *current_.thrown};
-  if (!is_taken_back(scenario.game, caught)) return;
-  std::erase(game.marks, mark(game, "foul"));
-  current_.thrown.reset();
-  current_.foul = false;
+  if (is_taken_back(scenario.game, caught)) take_back(game, now);
 }
 
 void Score::add_to_game(const Event& event, const Scenario& scenario) {
@@ -114,6 +129,7 @@ void Score::add_to_game(const Event& event, const Scenario& scenario) {
                      .rack = static_cast<int>(event.value),
                      .frames = {{}}});
     current_ = {};
+    taken_back_.reset();
   }
   if (games.empty()) return;
   Sheet& game = games.back();

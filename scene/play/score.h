@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -39,11 +40,13 @@ struct Score {
   std::vector<ThrowRow> throws;         ///< in their order; the sums above are sums of them
 
   /// @param scenario  of the session; its rules say when a ball is taken back
-  void add(const Event& event, const Scenario& scenario = {});
+  void add(const Event& event, const Scenario& scenario);
 
  private:
   void add_to_game(const Event& event, const Scenario& scenario);
   void follow_ball(const Event& event, const Scenario& scenario, Sheet& game);
+  void mark_foul(Sheet& game);
+  void take_back(Sheet& game, Time now);
   void add_to_throw(const Event& event);
   void add_to_way(const Event& event);
   void add_to_leave(const Event& event);
@@ -52,11 +55,18 @@ struct Score {
   struct Current {
     std::optional<Time> thrown;  ///< tick of the release
     bool foul = false, struck = false;
-    std::vector<std::string> under_way;  ///< balls that the hand has let go
+    std::set<std::string> under_way;  ///< balls that the hand has let go
+  };
+  /// What a throw was before its ball was taken back.
+  struct TakenBack {
+    Time at{};      ///< tick
+    Time thrown{};  ///< tick of its release
+    bool foul = false;
   };
 
   std::string version_;
   Current current_;
+  std::optional<TakenBack> taken_back_;
   std::vector<std::string> down_;  ///< skittles counted since the rack was set
 };
 

@@ -85,11 +85,8 @@ void FollowedLog::take(const Event& event) {
     const Versions& versions = scenario_->version;
     scenario_ = under(*scenario_, event.detail.text() == "red" ? versions.red : versions.blue);
   }
-  if (scenario_) {
-    score_.add(event, *scenario_);
-  } else {
-    score_.add(event);
-  }
+  static const Scenario unknown;
+  score_.add(event, scenario_ ? *scenario_ : unknown);
 }
 
 void FollowedLog::take(const TickState& state) {

@@ -243,24 +243,25 @@ Event of(std::string_view kind, std::vector<std::string> bodies, double value = 
 
 // The pins that the ball touched, in order, and those that stand when it was counted.
 TEST(BallPath, OfAThrowHasWhatItTouchedAndWhatItLeft) {
+  const Scenario scenario;
   Score score;
   Event game = of(kind::game, {}, 10.0);
   game.detail = GameKind::ten_pin;
-  score.add(game);
-  score.add(of(kind::release, {"ball"}, 7.0));
+  score.add(game, scenario);
+  score.add(of(kind::release, {"ball"}, 7.0), scenario);
   for (const char* pin : {"skittle 1", "skittle 3", "skittle 3"}) {
-    score.add(of(kind::touch, {"ball", pin}));
+    score.add(of(kind::touch, {"ball", pin}), scenario);
   }
-  score.add(of(kind::touch, {"skittle 5", "ball"}));
-  score.add(of(kind::touch, {"skittle 1", "skittle 2"}));
+  score.add(of(kind::touch, {"skittle 5", "ball"}), scenario);
+  score.add(of(kind::touch, {"skittle 1", "skittle 2"}), scenario);
   std::vector<std::string> most;
   for (const int pin : {1, 2, 3, 5, 6, 8, 9, 10}) most.push_back(name_of_skittle(pin));
-  score.add(of(kind::delivery, most, 8.0));
+  score.add(of(kind::delivery, most, 8.0), scenario);
   ASSERT_EQ(score.throws.size(), 1u);
   EXPECT_EQ(score.throws[0].touched, (std::vector{1, 3, 5}));
   EXPECT_EQ(score.throws[0].leave, "4-7");
-  score.add(of(kind::release, {"ball"}, 7.0));
-  score.add(of(kind::delivery, {"skittle 4"}, 1.0));
+  score.add(of(kind::release, {"ball"}, 7.0), scenario);
+  score.add(of(kind::delivery, {"skittle 4"}, 1.0), scenario);
   EXPECT_EQ(score.throws[1].leave, "7");
   EXPECT_EQ(skittle_number("skittle 12"), 12);
   for (const char* name : {"ball 3", "skittle", "skittle x", "lane", ""}) {
@@ -269,17 +270,18 @@ TEST(BallPath, OfAThrowHasWhatItTouchedAndWhatItLeft) {
 }
 
 TEST(BallPath, OfAThrowAtAFullRackLeavesWhatOfItStands) {
+  const Scenario scenario;
   Score score;
   Event game = of(kind::game, {}, 9.0);
   game.detail = GameKind::ninepins;
-  score.add(game);
+  score.add(game, scenario);
   for (const auto& [felled, leave] : {std::pair{std::vector{1, 2, 3, 4, 5}, "6-7-8-9"},
                                       {{6, 9}, "1-2-3-4-5-7-8"},
                                       {{}, "1-2-3-4-5-6-7-8-9"}}) {
     std::vector<std::string> names;
     for (const int pin : felled) names.push_back(name_of_skittle(pin));
-    score.add(of(kind::release, {"ball"}, 7.0));
-    score.add(of(kind::delivery, names, static_cast<double>(names.size())));
+    score.add(of(kind::release, {"ball"}, 7.0), scenario);
+    score.add(of(kind::delivery, names, static_cast<double>(names.size())), scenario);
     EXPECT_EQ(score.throws.back().leave, leave);
   }
 }

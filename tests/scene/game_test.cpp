@@ -19,7 +19,7 @@ struct Played : Observer {
   void tick(const Session& now) override {
     for (const Event& event : now.events) {
       events.push_back(event);
-      score.add(event);
+      score.add(event, now.scenario());
     }
     hashes.push_back(engine::state_hash(now.world));
   }

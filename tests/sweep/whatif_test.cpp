@@ -42,7 +42,7 @@ scene::Score played(const scene::Scenario& scenario, const std::vector<devices::
   scene::Score score;
   while (seconds(session.now()) < seconds_long) {
     scene::advance(session, source);
-    for (const scene::Event& event : session.events) score.add(event);
+    for (const scene::Event& event : session.events) score.add(event, session.scenario());
     if (situations) situations->tick(session);
   }
   return score;
