@@ -52,14 +52,13 @@ scene::TrialHeader whose(const LiveOptions& options, std::span<const scene::Play
 
 /// The scenario from the options, otherwise that of a played log, otherwise the paper's room.
 scene::Scenario chosen(const LiveOptions& options, std::span<const scene::PlayedTrial> played) {
+  scene::Scenario room;
+  room.look.samples = 1;  // so that a slow machine draws in time what does not say it
   if (!options.given && options.scenario.empty()) {
-    if (!played.empty()) return scene::scenario_of(played[0]);
-    scene::Scenario room;
-    room.look.samples = 1;  // so that a slow machine draws it in time
-    return room;
+    return played.empty() ? room : scene::scenario_of(played[0]);
   }
   const scene::Scenario scenario =
-      options.given ? *options.given : scene::load_scenario(options.scenario);
+      options.given ? *options.given : scene::load_scenario(options.scenario, room);
   for (const scene::PlayedTrial& trial : played) {
     if (!scene::is_of_another(trial, scenario)) continue;
     say("headpin live: {} was recorded in another scenario than this session's; without "
@@ -251,8 +250,8 @@ void add_live(CLI::App& app) {
   command
       ->add_option("--samples", options->samples,
                    "anti-aliasing: N^2 + 1 samples per pixel, or one with N = 1; stored in the "
-                   "trial as look.samples; default: that of the scenario, 1 for the paper's room "
-                   "without one")
+                   "trial as look.samples; default: that of the scenario, 1 where its file has "
+                   "none")
       ->check(whole_number_from(1, 4));
   add_force(*command, options->force);
   add_json(*command, options->json);

@@ -193,8 +193,8 @@ bool fits(Scenario& scenario, ScenarioText& text, const Scenario& before) {
 
 }  // namespace
 
-Scenario parse_scenario(std::string_view toml, std::string_view where) {
-  Scenario scenario;
+Scenario parse_scenario(std::string_view toml, std::string_view where, const Scenario& missing) {
+  Scenario scenario = missing;
   ScenarioText text{.where = std::string(where),
                     .folder = std::filesystem::path(where).parent_path()};
   read_text(scenario, toml, text);
@@ -218,9 +218,9 @@ std::string whole_scenario(std::string_view toml, std::string_view trial) {
   return to_toml(scenario_of_trial(toml, trial));
 }
 
-Scenario load_scenario(const std::string& name_or_file) {
+Scenario load_scenario(const std::string& name_or_file, const Scenario& missing) {
   const std::string path = scenario_path(name_or_file);
-  return parse_scenario(read_scenario_file(path), path);
+  return parse_scenario(read_scenario_file(path), path, missing);
 }
 
 void check(const Scenario& scenario, std::string_view where) {

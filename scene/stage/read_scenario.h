@@ -9,7 +9,7 @@
 /// Reads scenarios with their files, and checks them.
 namespace headpin::scene {
 
-/// Reads a scenario; missing keys keep their default.
+/// Reads a scenario; missing keys keep their default, or the value that is given for them.
 ///
 /// Its mesh files are read, relative to the folder of `where`. The scenario then contains their
 /// hashes, and the corners of colliding meshes.
@@ -19,7 +19,8 @@ namespace headpin::scene {
 /// @throws std::invalid_argument  naming file, line, key, what was found and what is allowed, for
 ///         unknown keys, wrong types, values out of range, text that is not TOML, and mesh files
 ///         that are none or have another hash than the one that is given
-Scenario parse_scenario(std::string_view toml, std::string_view where);
+Scenario parse_scenario(std::string_view toml, std::string_view where,
+                        const Scenario& missing = {});
 
 /// Reads the scenario of a trial, which must be complete: a missing key is refused, or gets the
 /// value of trials from before the key existed. So today's defaults do not change old replays.
@@ -38,7 +39,7 @@ std::string whole_scenario(std::string_view toml, std::string_view trial);
 
 /// parse_scenario() of a file, or of a bundled scenario by its name.
 /// @throws std::runtime_error  where it cannot be read
-Scenario load_scenario(const std::string& name_or_file);
+Scenario load_scenario(const std::string& name_or_file, const Scenario& missing = {});
 
 /// Checks that the values of a scenario fit together: skittles do not overlap and are inside the
 /// room, parts have no gaps, the ball is not in a wall. All functions that read a scenario call

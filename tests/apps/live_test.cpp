@@ -414,6 +414,9 @@ TEST_F(LiveFastrak, TheSamplesOfAPixelAreTheScenariosUnlessTheyAreGiven) {
   EXPECT_EQ(samples("--scenario room.toml --samples 1 " + kDemo), 1);
   EXPECT_EQ(samples("--samples 3 " + kDemo), 3);
   EXPECT_EQ(samples("--scenario room.toml --set look.samples=4 " + kDemo), 4);
+  std::ofstream(folder_ / "short.toml") << "[ball]\nmass = 5\n";
+  EXPECT_EQ(samples("--scenario short.toml " + kDemo), 1) << "it does not say it";
+  EXPECT_EQ(samples("--scenario short.toml --set look.samples=4 " + kDemo), 4);
   ASSERT_EQ(shell(fastrak_session(kDemo, "", 20)).code, 0);
   const std::string bare = trial("live.lcmlog").header.scenario;
   EXPECT_EQ(scene::scenario_of_trial(bare, "live.lcmlog").look.samples, 1) << "the paper's room";
