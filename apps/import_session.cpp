@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -237,6 +238,11 @@ void tell_end(WholeTrial& trial, std::int64_t rate_hz) {
   event.time = trial.end;
   event.kind = scene::kind::session_end;
   trial.events.push_back(std::move(event));
+  if (const Time rest = trial.end - last; rest > devices::kLongestGap) {
+    trial.notes.push_back(
+        fmt::format("the session ends {:.3f} s after its last sample: --longest-gap {} replays it",
+                    seconds(rest), std::ceil(seconds(rest))));
+  }
 }
 
 /// Notes that a trial is only what was left of one: as a log of its own it is complete.

@@ -384,9 +384,11 @@ void TrialFile::require_trial(Time longest_gap) const {
                                          format, kFormatVersion, kChangesFormatVersion));
   }
   if (const Gap& gap = trial.longest_gap; gap.length() > longest_gap) {
+    const bool at_end = trial.session_end > trial.end && gap.to == trial.session_end;
     throw LongGap(
-        fmt::format("{}: no sample for {:.3f} s, from {:.3f} s on; expected {:g} s at most", path,
-                    seconds(gap.length()), seconds(gap.from), seconds(longest_gap)));
+        fmt::format("{}: no sample for {:.3f} s, from {:.3f} s {}; expected {:g} s at most", path,
+                    seconds(gap.length()), seconds(gap.from),
+                    at_end ? "to the end of the session" : "on", seconds(longest_gap)));
   }
 }
 

@@ -85,6 +85,18 @@ TEST_F(SessionEnd, LongAfterTheLastSampleIsALongGap) {
             json("replay " + kDemo + " --json")["game_hash"]);
 }
 
+TEST_F(SessionEnd, LongAfterTheLastSampleIsNotedWithTheOptionThatReplaysIt) {
+  ASSERT_EQ(headpin("export " + kDemo + " -o tables").code, 0);
+  say_in_header("end_s", 100);
+  const Result made = headpin("import tables -o back.lcmlog");
+  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_THAT(made.err, HasSubstr("s after its last sample: --longest-gap "));
+  expect_refusal("replay back.lcmlog -o OUT.lcmlog", 1, "s to the end of the session; expected");
+  const std::string option = "--longest-gap ";
+  const std::string offered = made.err.substr(made.err.find(option) + option.size(), 2);
+  EXPECT_EQ(json("replay back.lcmlog --json --longest-gap " + offered)["simulated_s"], 100.0);
+}
+
 TEST_F(SessionEnd, ThatIsMissingIsNoted) {
   ASSERT_EQ(headpin("replay " + kDemo + " -o game.lcmlog").code, 0);
   const std::string whole = slurp(folder_ / "game.lcmlog");
