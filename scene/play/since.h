@@ -38,8 +38,8 @@ inline bool falls_until_a_late_release(const engine::Parameters& p) {
   return p.rules >= 12;
 }
 
-/// A skittle in the hand is set up with the others also where those that the hand fells count. Else it
-/// stayed counted, and the next frame had one less.
+/// A skittle in the hand is set up with the others, and leaves the hand, also where those that the hand
+/// fells count. Else it stayed counted, and the next frame had one less.
 inline bool sets_up_what_is_held(const engine::Parameters& p) {
   return p.rules >= 12;
 }
