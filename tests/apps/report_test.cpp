@@ -179,9 +179,8 @@ std::string block_of(const std::string& page, const std::string& name) {
 }
 
 TEST_F(Report, TellsTheCommandThatMakesItAgain) {
-  const std::string words = "report " + kDemo + " -o out.html";
-  for (const std::string more : {" --page page.html", " --page page.html --longest-gap 90",
-                                 " --whatif 1 --page page.html"}) {
+  const std::string words = "report '" + kDemo + "' -o 'out.html' --page 'page.html'";
+  for (const std::string more : {"", " --longest-gap 90"}) {
     ASSERT_EQ(headpin(words + more + " --force").code, 0) << more;
     const auto about = nlohmann::json::parse(block_of(slurp(folder_ / "out.html"), "about"));
     EXPECT_EQ(about["command"], "headpin " + words + more);
