@@ -348,7 +348,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"scenario", "name of the scenario"},
     {"scenario_differences", "keys of the scenario whose values differ, with both values as TOML"},
     {"scenarios", "bundled scenarios"},
-    {"script_changed", "true if the study's model.R is not the one that headpin wrote"},
+    {"script_changed", "true if the study's model.R is not the script of this version, or was edited"},
     {"seconds_per_row",
      "mean time of a row of a sweep on one core of this machine, from a few rows"},
     {"seed", "seed of the random numbers"},

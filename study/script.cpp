@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/sha256.h"
 #include "study/model.h"
 
 namespace headpin::study {
@@ -281,6 +282,13 @@ std::string columns_of_text(const Design& design) {
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 
+constexpr const char* kHash = "# SHA-256 of the lines above, as headpin wrote them: ";
+
+/// The last line of a script.
+std::string hash_line(const std::string& lines_above) {
+  return fmt::format("{}{}\n", kHash, base::sha256(lines_above));
+}
+
 }  // namespace
 
 std::string r_script(const Design& design) {
@@ -310,7 +318,13 @@ std::string r_script(const Design& design) {
   fill(rest, "@CHANGES@", fmt::format("{}", fmt::join(changes, ", ")));
   fill(rest, "@USED@", terms_by_change(design));
   fill(rest, "@CONSTANTS@", constants_of(design));
-  return script + rest;
+  script += rest;
+  return script + hash_line(script);
+}
+
+bool is_unedited_script(const std::string& text) {
+  const std::size_t at = text.rfind(kHash);
+  return at != std::string::npos && text.substr(at) == hash_line(text.substr(0, at));
 }
 
 std::vector<std::string> r_outputs() {

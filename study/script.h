@@ -13,6 +13,10 @@ namespace headpin::study {
 /// @throws std::invalid_argument  for a design without terms
 std::string r_script(const Design& design);
 
+/// Whether a text is a script as some version of r_script() wrote it, for any design: its last line is
+/// the hash of the lines above. Versions before this line wrote scripts that cannot be told from edited ones.
+bool is_unedited_script(const std::string& text);
+
 /// The files that it writes.
 std::vector<std::string> r_outputs();
 

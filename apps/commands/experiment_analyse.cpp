@@ -87,13 +87,20 @@ void say_outdated(const Study& study, const study::CsvTable& people) {
       base::typed_word(study.at.root.string()));
 }
 
-/// Writes the study's script if it does not exist. A user may change it later.
-/// @return  whether it was changed
+/// Writes the study's script if there is none, or one of another version that nobody edited. A user
+/// may edit it later.
+/// @return  whether it is another one: edited, or of a version that wrote no hash
 bool require_script(const Study& study, const fs::path& path) {
   const std::string script = study::r_script(study.design);
-  if (fs::exists(path)) return read_study_file(path) != script;
+  if (fs::exists(path)) {
+    const std::string found = read_study_file(path);
+    if (found == script) return false;
+    if (!study::is_unedited_script(found)) return true;
+    say("{}: nobody edited it, and this version has another script; it is written again\n",
+        path.string());
+  }
   base::remove_left_parts(study.at.root.string());
-  base::write_text({path.string(), {}}, script);
+  base::write_text({path.string(), {.overwrite = true}}, script);
   return false;
 }
 
@@ -216,7 +223,11 @@ void analyse(const AnalyseOptions& options) {
                        {"degrees_of_freedom", quality(study, "degrees_of_freedom")},
                        {"endless_terms", endless_terms(study)}});
   }
-  if (changed) fmt::print("{} is not the script that headpin wrote\n", script.string());
+  if (changed) {
+    fmt::print(
+        "{} is not the script of this version, or was edited; delete it to have this version's\n",
+        script.string());
+  }
   print_table(study, "table-6", "estimates of the model");
   print_table(study, "table-5", "linear predictors");
   print_table(study, "drop", "increase of the deviance without each term");
@@ -232,8 +243,8 @@ void add_experiment_analyse(CLI::App& group) {
   add_mixing(*command, options->mixing);
   add_json(*command, options->json);
   command->footer(
-      "The R script is model.R in the study's folder. It is written once; you may change it, and "
-      "the command\nruns it as it is. The estimates are in analysis/table-6.csv; for terms with "
+      "The R script is model.R in the study's folder. You may edit it, and the command runs it as it "
+      "is. One of\nanother version that nobody edited is written again. The estimates are in analysis/table-6.csv; for terms with "
       "separation, whose estimates\nare infinite, there are bias-reduced estimates too (R package "
       "brglm2). The same folder has the\npredictors, the fit, the models without one term, "
       "leverages and plots.\n\n"

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/sha256.h"
 #include "scene/record/events.h"
 #include "tests/apps/command_line.h"
 #include "tests/apps/rewritten.h"
@@ -362,6 +363,28 @@ TEST_F(StudyExport, TheReportWritesThePagesOfTrialsThatAreMissing) {
   for (const char* name : {"p001", "p002"}) {
     EXPECT_THAT(slurp(folder_ / "study.html"),
                 HasSubstr(std::string("<a href=\"study/sessions/") + name + "/run-01.html\">"));
+  }
+}
+
+// What an older version wrote and nobody edited is not the laboratory's. Without R, the script is written too.
+TEST_F(StudyExport, AScriptOfAnotherVersionIsWrittenAgainUnlessItWasEdited) {
+  play(1);
+  ASSERT_EQ(headpin("experiment score study").code, 0);
+  const fs::path script = folder_ / "study/model.R";
+  headpin("experiment analyse study");
+  const std::string todays = slurp(script);
+  EXPECT_THAT(todays, testing::StartsWith("# The analysis of a study by the design"));
+  const std::string lines = "stop('of an older version')\n";
+  const std::string unedited = fmt::format(
+      "{}# SHA-256 of the lines above, as headpin wrote them: {}\n", lines, base::sha256(lines));
+  spit(script, unedited);
+  EXPECT_THAT(headpin("experiment analyse study").err, HasSubstr("it is written again"));
+  EXPECT_EQ(slurp(script), todays);
+  for (const std::string& kept : {lines, unedited + "x <- 1\n", todays + "x <- 1\n"}) {
+    spit(script, kept);
+    EXPECT_THAT(headpin("experiment analyse study").err,
+                testing::Not(HasSubstr("it is written again")));
+    EXPECT_EQ(slurp(script), kept);
   }
 }
 

@@ -130,5 +130,23 @@ TEST_F(ScriptInR, AnAnswerCalledInfIsAWord) {
   EXPECT_EQ(cell("table-6.csv", "vrbefore(2)", "estimate"), estimate);
 }
 
+// A script of another version or design is known by its hash; a change anywhere is an edit.
+TEST(Script, IsUneditedAsLongAsItsLastLineIsTheHashOfTheOthers) {
+  Design design = bundled_design();
+  design.name = "another";
+  design.terms.pop_back();
+  for (const std::string& script : {r_script(bundled_design()), r_script(design)}) {
+    EXPECT_TRUE(is_unedited_script(script));
+    EXPECT_FALSE(is_unedited_script(script + "stop('mine')\n"));
+    EXPECT_FALSE(is_unedited_script("# mine\n" + script));
+    std::string edited = script;
+    edited[script.size() / 2] ^= 1;
+    EXPECT_FALSE(is_unedited_script(edited));
+    const std::string older = script.substr(0, script.rfind("# SHA-256"));
+    EXPECT_FALSE(is_unedited_script(older));
+  }
+  EXPECT_FALSE(is_unedited_script(""));
+}
+
 }  // namespace
 }  // namespace headpin::study
