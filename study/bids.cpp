@@ -292,6 +292,7 @@ Json events_json(const BidsSession& session, const std::set<std::int32_t>& stati
                          {"seed", fmt::format("{}", header.seed)},
                          {"scenario", header.scenario},
                          {"end_s", nearest_seconds(session.end)},
+                         {"samples", session.samples.size()},
                          {"stations", Json::object()}};
   for (const std::int32_t station : stations) {
     all["HeadpinTrial"]["stations"][system_of(station, session.rig)] = station;

@@ -21,7 +21,7 @@ struct BidsSession {
   std::string subject;  ///< p001
   std::string run;      ///< 01
   const scene::TrialHeader* header = nullptr;
-  std::vector<devices::Sample> samples;  ///< in the order of the log
+  std::vector<devices::Sample> samples;  ///< in the order of the log; stations from 1 on
   std::vector<scene::Event> events;
   scene::Rig rig = {};  ///< says which station is head and hand, and how the transmitter stands
   Time end{};           ///< of the session, which may go on after its last sample
@@ -41,7 +41,7 @@ std::vector<BidsFile> dataset_files(const Design& design, const Questionnaire& q
 ///
 /// They contain all data: every field of a sample has a column, LATENCY is the time of measurement
 /// on the session's clock, and log_index is the order of the log. The events' sidecar has the
-/// trial's header, and the station of each system. Who made the tracker is not said: no trial tells it.
+/// trial's header, the number of samples, and the station of each system. Who made the tracker is not said: no trial tells it.
 std::vector<BidsFile> session_files(const BidsSession& session);
 
 /// The simulated bodies as a further tracking system, with one row per frame (`rates.frame_hz`).

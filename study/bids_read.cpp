@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <set>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -128,11 +130,20 @@ nlohmann::json trial_in(const std::string& name, const std::string& text) {
                               "wrote");
 }
 
+bool is_tracker_table(const std::string& name) {
+  return name.ends_with("_motion.tsv") && name.find("_tracksys-simulated_") == std::string::npos;
+}
+
+/// The tracking system that a table is of, from its name.
+std::string system_in(const std::string& name) {
+  const std::size_t begin = name.find("_tracksys-") + 10;
+  return name.substr(begin, name.find('_', begin) - begin);
+}
+
 /// The station of a tracking system, from the name of its table.
 /// @param stations  by system, of the trial; of an older version it has none
 std::int32_t station_in(const std::string& name, const nlohmann::json& stations) {
-  const std::size_t begin = name.find("_tracksys-") + 10;
-  const std::string system = name.substr(begin, name.find('_', begin) - begin);
+  const std::string system = system_in(name);
   if (stations.is_object() && stations.contains(system)) {
     const nlohmann::json& station = stations[system];
     constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
@@ -174,28 +185,68 @@ Time end_of(const nlohmann::json& trial, const std::string& name) {
   throw std::invalid_argument(fmt::format("{}: end_s: expected seconds, found {}", name, end_s));
 }
 
+/// The number of samples of the session, of trackers and buttons; nothing for an older one.
+std::optional<std::int64_t> count_in(const nlohmann::json& trial, const std::string& name) {
+  const auto samples = trial.find("samples");
+  if (samples == trial.end()) return std::nullopt;
+  constexpr std::uint64_t kMost = std::numeric_limits<std::int64_t>::max();
+  if (samples->is_number_unsigned() && samples->get<std::uint64_t>() <= kMost) {
+    return samples->get<std::int64_t>();
+  }
+  throw std::invalid_argument(
+      fmt::format("{}: samples: expected their number, found {}", name,
+                  shown(samples->dump(-1, ' ', false, nlohmann::json::error_handler_t::replace))));
+}
+
+/// Throws unless there is a table for each tracking system of the trial.
+/// @param stations  by system
+void require_tables(const std::string& where, const nlohmann::json& stations,
+                    const std::map<std::string, std::string>& texts) {
+  if (!stations.is_object()) return;
+  std::set<std::string> systems;
+  for (const auto& [name, text] : texts) {
+    if (is_tracker_table(name)) systems.insert(system_in(name));
+  }
+  for (const auto& one : stations.items()) {
+    if (systems.contains(one.key())) continue;
+    throw std::invalid_argument(fmt::format(
+        "{}: expected a table of tracksys-{}, found none: a session is read with all of its tables",
+        where, shown(one.key())));
+  }
+}
+
 /// Throws unless the samples have all places of the log, each once.
 /// @param samples  by place
-void require_whole(const std::string& where, const Indexed& samples) {
+/// @param count    as many as the session has; nothing if unknown
+void require_whole(const std::string& where, const Indexed& samples,
+                   std::optional<std::int64_t> count) {
   constexpr std::size_t kShown = 3;
   std::vector<std::int64_t> missing;
   std::int64_t next = 0;
+  const auto miss_until = [&](std::int64_t place) {
+    for (; next < place && missing.size() <= kShown; ++next) missing.push_back(next);
+  };
   for (const auto& [index, sample] : samples) {
     if (index < next) {
       throw std::invalid_argument(
           fmt::format("{}: expected every log_index from 0 on once, found {}{}", where, index,
                       index < 0 ? "" : " twice"));
     }
-    for (; next < index && missing.size() <= kShown; ++next) missing.push_back(next);
+    if (count && index >= *count) {
+      throw std::invalid_argument(
+          fmt::format("{}: expected {} samples, found one of log_index {}", where, *count, index));
+    }
+    miss_until(index);
     if (missing.size() > kShown) break;
     next = index + 1;
   }
+  if (count) miss_until(*count);
   if (missing.empty()) return;
   const bool more = missing.size() > kShown;
   if (more) missing.pop_back();
   throw std::invalid_argument(
-      fmt::format("{}: samples {}{} missing: is a table of the session missing?", where,
-                  fmt::join(missing, ", "), more ? ", ..." : ""));
+      fmt::format("{}: samples {}{} missing: a session is read with every row of all of its tables",
+                  where, fmt::join(missing, ", "), more ? ", ..." : ""));
 }
 
 }  // namespace
@@ -203,24 +254,24 @@ void require_whole(const std::string& where, const Indexed& samples) {
 BidsTrial session_of(const std::map<std::string, std::string>& texts) {
   BidsTrial trial;
   nlohmann::json stations;
+  std::optional<std::int64_t> count;
   for (const auto& [name, text] : texts) {
     if (!name.ends_with("_events.json")) continue;
     const nlohmann::json its = trial_in(name, text);
     trial.header = header_of(its);
     trial.end = end_of(its, name);
+    count = count_in(its, name);
     if (its.contains("stations")) stations = its["stations"];
+    require_tables(name, stations, texts);
   }
   Indexed samples;
   for (const auto& [name, text] : texts) {
     if (name.ends_with("_events.tsv")) read_buttons(name, text, samples);
-    if (!name.ends_with("_motion.tsv") || name.find("_tracksys-simulated_") != std::string::npos) {
-      continue;
-    }
-    read_tracker(name, text, station_in(name, stations), samples);
+    if (is_tracker_table(name)) read_tracker(name, text, station_in(name, stations), samples);
   }
   if (samples.empty()) throw std::invalid_argument("no samples of a tracker");
   std::ranges::stable_sort(samples, {}, &std::pair<std::int64_t, devices::Sample>::first);
-  require_whole(texts.begin()->first, samples);
+  require_whole(texts.begin()->first, samples, count);
   for (auto& [index, sample] : samples) trial.samples.push_back(std::move(sample));
   return trial;
 }

@@ -17,7 +17,8 @@ struct BidsTrial {
 
 /// @param texts  by name, as session_files() gives them, the folders left out
 /// @throws std::invalid_argument  naming file and line: a table that does not fit its channels, what
-///                                is no number, a session that headpin did not write
+///                                is no number, a session that headpin did not write or
+///                                that lacks a table or a row
 BidsTrial session_of(const std::map<std::string, std::string>& texts);
 
 }  // namespace headpin::study

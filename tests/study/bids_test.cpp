@@ -260,15 +260,17 @@ TEST_F(MotionBids, OfOlderVersionsNamesAreThoseOfStations1To3) {
 TEST_F(MotionBids, WithoutOneOfItsTablesIsNoSession) {
   const std::string hand = "sub-p001_task-bowling_tracksys-hand_run-01_motion.tsv";
   const std::string events = "sub-p001_task-bowling_run-01_events.tsv";
-  for (const std::string& name : {hand, events}) {
-    auto texts = texts_;
-    texts.erase(name);
-    EXPECT_THAT(complaint([&] { session_of(texts); }),
-                testing::MatchesRegex("sub-p001_task-bowling_run-01_events.json: samples [0-9, ]+, "
-                                      "... missing: is a table of the session missing."))
-        << name;
-  }
   auto texts = texts_;
+  texts.erase(hand);
+  EXPECT_THAT(complaint([&] { session_of(texts); }),
+              testing::StartsWith("sub-p001_task-bowling_run-01_events.json: expected a table of "
+                                  "tracksys-hand, found none"));
+  texts = texts_;
+  texts.erase(events);
+  EXPECT_THAT(complaint([&] { session_of(texts); }),
+              testing::MatchesRegex("sub-p001_task-bowling_run-01_events.json: samples [0-9, ]+, "
+                                    "... missing: a session is read with every row of .*"));
+  texts = texts_;
   texts[hand] += texts[hand].substr(0, texts[hand].find('\n') + 1);
   EXPECT_THAT(complaint([&] { session_of(texts); }), testing::HasSubstr(" twice"));
 }
@@ -296,6 +298,55 @@ TEST_F(MotionBids, AxesOfAnyTransmitterAreARightHandedFrame) {
       EXPECT_GT((session.rig.X_WT.q.toRotationMatrix().transpose() * R).trace(), 1.5) << axes;
     }
   }
+}
+
+/// Head, buttons and hand, whose samples come one after the other.
+std::map<std::string, std::string> one_after_the_other(const std::vector<int>& kinds) {
+  std::vector<devices::Sample> samples;
+  for (const int kind : kinds) {
+    for (int i = 0; i < 5; ++i) {
+      devices::TrackerSample tracker;
+      tracker.station = kind;
+      if (kind == 0) {
+        samples.emplace_back(devices::MouseSample{});
+      } else {
+        samples.emplace_back(tracker);
+      }
+    }
+  }
+  scene::TrialHeader header;
+  std::map<std::string, std::string> texts;
+  for (const auto& [name, text] : session_files({"p001", "01", &header, samples, {}})) {
+    texts[name.substr(name.rfind('/') + 1)] = text;
+  }
+  return texts;
+}
+
+// No later sample shows that they are missing.
+TEST(MotionBidsTables, WhoseSamplesAllComeLastAreMissedToo) {
+  const std::string hand = "sub-p001_task-bowling_tracksys-hand_run-01_motion.tsv";
+  const std::string events = "sub-p001_task-bowling_run-01_events";
+  auto texts = one_after_the_other({1, 0, 2});
+  EXPECT_EQ(session_of(texts).samples.size(), 15u);
+  std::string& rows = texts.at(hand);
+  rows.erase(rows.rfind('\n', rows.size() - 2) + 1);
+  EXPECT_THAT(complaint([&] { session_of(texts); }), testing::HasSubstr(": samples 14 missing"));
+  texts.erase(hand);
+  EXPECT_THAT(complaint([&] { session_of(texts); }),
+              testing::HasSubstr("expected a table of tracksys-hand, found none"));
+  texts = one_after_the_other({1, 2, 0});
+  texts.erase(events + ".tsv");
+  EXPECT_THAT(complaint([&] { session_of(texts); }),
+              testing::HasSubstr(": samples 10, 11, 12, ... missing"));
+  // Of an older version.
+  nlohmann::json sidecar = nlohmann::json::parse(texts.at(events + ".json"));
+  EXPECT_EQ(sidecar["HeadpinTrial"].erase("samples"), 1u);
+  texts.at(events + ".json") = sidecar.dump();
+  EXPECT_EQ(session_of(texts).samples.size(), 10u);
+  sidecar["HeadpinTrial"]["samples"] = 9;
+  texts.at(events + ".json") = sidecar.dump();
+  EXPECT_THAT(complaint([&] { session_of(texts); }),
+              testing::HasSubstr("expected 9 samples, found one of log_index 9"));
 }
 
 }  // namespace
