@@ -111,11 +111,12 @@ Json channels_json(const std::string& axes, const std::string& meaning) {
            {{"SpatialAxes", axes}, {"RotationRule", "right-hand"}, {"RotationOrder", "ZXY"}}}}}}}};
 }
 
-/// Rows a second.
+/// Rows a second; 0 where there is no rate.
 double rate_of(std::int64_t rows, double duration_s) {
   return duration_s > 0.0 ? static_cast<double>(rows - 1) / duration_s : 0.0;
 }
 
+/// @param rate_hz  of the device; 0 where there is no rate, as for one row: a rate of 0 would be wrong
 Json motion_json(const std::vector<Channel>& channels, const std::string& system, double rate_hz,
                  std::int64_t rows, double duration_s) {
   const auto count = [&](const char* type) {
@@ -125,17 +126,20 @@ Json motion_json(const std::vector<Channel>& channels, const std::string& system
   for (const Channel& one : channels) {
     if (one.type == "POS") points.insert(one.point);
   }
-  return {{"TaskName", "bowling"},
-          {"TaskDescription", "Two games of bowling at skittles in a virtual room"},
-          {"SamplingFrequency", rate_hz},
-          {"SamplingFrequencyEffective", duration_s > 0.0 ? rate_of(rows, duration_s) : rate_hz},
-          {"RecordingDuration", duration_s},
-          {"TrackingSystemName", system},
-          {"MotionChannelCount", channels.size()},
-          {"POSChannelCount", count("POS")},
-          {"ORNTChannelCount", count("ORNT")},
-          {"MISCChannelCount", count("MISC")},
-          {"TrackedPointsCount", points.size()}};
+  Json all = {{"TaskName", "bowling"},
+              {"TaskDescription", "Two games of bowling at skittles in a virtual room"}};
+  if (rate_hz > 0.0) {
+    all["SamplingFrequency"] = rate_hz;
+    all["SamplingFrequencyEffective"] = duration_s > 0.0 ? rate_of(rows, duration_s) : rate_hz;
+  }
+  all["RecordingDuration"] = duration_s;
+  all["TrackingSystemName"] = system;
+  all["MotionChannelCount"] = channels.size();
+  all["POSChannelCount"] = count("POS");
+  all["ORNTChannelCount"] = count("ORNT");
+  all["MISCChannelCount"] = count("MISC");
+  all["TrackedPointsCount"] = points.size();
+  return all;
 }
 
 std::string tracker_row(const devices::TrackerSample& s, std::size_t index) {
@@ -224,10 +228,11 @@ void add_tracker(const BidsSession& session, std::int32_t station, std::vector<B
     if (count++ == 0) first = sample->device_time;
     last = sample->device_time;
   }
-  const double duration_s = seconds(last - first);
+  const double duration_s = seconds(last - first), measured_hz = rate_of(count, duration_s);
   const Quat& q_WT = session.rig.X_WT.q;
-  const Json sidecar = motion_json(channels, "receiver " + system,
-                                   std::round(rate_of(count, duration_s)), count, duration_s);
+  const Json sidecar =
+      motion_json(channels, "receiver " + system,
+                  measured_hz < 1.0 ? measured_hz : std::round(measured_hz), count, duration_s);
   files.emplace_back(name_of(session, system, "motion.tsv"), rows);
   files.emplace_back(name_of(session, system, "motion.json"), sidecar.dump(2) + "\n");
   files.emplace_back(name_of(session, system, "channels.tsv"), channels_tsv(channels));

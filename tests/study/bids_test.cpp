@@ -349,5 +349,29 @@ TEST(MotionBidsTables, WhoseSamplesAllComeLastAreMissedToo) {
               testing::HasSubstr("expected 9 samples, found one of log_index 9"));
 }
 
+// A sampling frequency of 0 would say that nothing was sampled.
+TEST(MotionBidsTables, OfSlowTrackersHaveTheirRateAndOfOneSampleNone) {
+  const auto sidecar_of = [](int count) {
+    std::vector<devices::Sample> samples;
+    for (int i = 0; i < count; ++i) {
+      devices::TrackerSample tracker;
+      tracker.station = devices::kHandStation;
+      tracker.device_time = Time{4'000'000} * i;
+      samples.emplace_back(tracker);
+    }
+    scene::TrialHeader header;
+    for (const auto& [name, text] : session_files({"p001", "01", &header, samples, {}})) {
+      if (name.ends_with("_tracksys-hand_run-01_motion.json")) return nlohmann::json::parse(text);
+    }
+    return nlohmann::json();
+  };
+  EXPECT_EQ(sidecar_of(6)["SamplingFrequency"], 0.25);
+  EXPECT_EQ(sidecar_of(6)["SamplingFrequencyEffective"], 0.25);
+  const nlohmann::json one = sidecar_of(1);
+  EXPECT_EQ(one["RecordingDuration"], 0.0);
+  EXPECT_FALSE(one.contains("SamplingFrequency"));
+  EXPECT_FALSE(one.contains("SamplingFrequencyEffective"));
+}
+
 }  // namespace
 }  // namespace headpin::study
