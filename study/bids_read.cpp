@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "scene/record/end_time.h"
 #include "study/csv.h"
 
 namespace headpin::study {
@@ -180,9 +181,7 @@ scene::TrialHeader header_of(const nlohmann::json& trial) {
 Time end_of(const nlohmann::json& trial, const std::string& name) {
   const auto end = trial.find("end_s");
   if (end == trial.end() || !end->is_number()) return Time{};  // an older one
-  const double end_s = end->get<double>();
-  if (std::abs(end_s) < 4e9) return microseconds(end_s);
-  throw std::invalid_argument(fmt::format("{}: end_s: expected seconds, found {}", name, end_s));
+  return scene::end_time(end->get<double>(), name);
 }
 
 /// The number of samples of the session, of trackers and buttons; nothing for an older one.

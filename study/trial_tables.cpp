@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "devices/base/sources.h"
+#include "scene/record/end_time.h"
 #include "scene/record/outside.h"
 #include "scene/record/tables.h"
 #include "study/csv.h"
@@ -192,11 +193,7 @@ void take_header(const std::string& text, const std::string& where, TablesTrial&
   trial.complete = complete == json.end() || !complete->is_boolean() || complete->get<bool>();
   const auto end = json.find("end_s");
   if (end == json.end() || !end->is_number()) return;
-  if (!(std::abs(end->get<double>()) < 4e9)) {
-    throw std::invalid_argument(
-        fmt::format("{}: end_s: expected seconds, found {}", where, end->get<double>()));
-  }
-  trial.end = microseconds(end->get<double>());
+  trial.end = scene::end_time(end->get<double>(), where);
 }
 
 }  // namespace

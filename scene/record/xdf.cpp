@@ -12,6 +12,7 @@
 
 #include "devices/base/sources.h"
 #include "devices/log/sample_messages.h"
+#include "scene/record/end_time.h"
 #include "scene/record/outside.h"
 #include "scene/record/tables.h"
 
@@ -322,13 +323,9 @@ class TrialFromXdf {
   }
 
   Time end_in(const std::string& text) const {
-    double end = 0.0;
-    std::from_chars(text.data(), text.data() + text.size(), end);
-    if (!(std::abs(end) < 4e9)) {
-      throw std::invalid_argument(
-          fmt::format("{}: end_s in the header: expected seconds, found {}", where_, end));
-    }
-    return microseconds(end);
+    double end_s = 0.0;
+    std::from_chars(text.data(), text.data() + text.size(), end_s);
+    return end_time(end_s, where_);
   }
 
   void take_tracker(const devices::XdfStream& stream) {
