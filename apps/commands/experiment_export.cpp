@@ -205,13 +205,19 @@ void rename_mesh(scene::MeshFile& mesh, const std::string& of) {
   mesh.file = bundled ? name.string() : of + "-mesh" + name.extension().string();
 }
 
-/// The text of a scenario without the comments of its trial, and without the places of its meshes.
+/// The text of a scenario without the comments of its trial, without its own name unless it is that of
+/// a bundled one, and without the places of its meshes.
 std::string scenario_without_names(scene::Scenario scenario) {
+  const std::vector<std::string> bundled = scene::scenario_names();
+  if (std::ranges::find(bundled, scenario.name) == bundled.end()) scenario.name = "scenario";
   rename_mesh(scenario.room.mesh, "room");
   rename_mesh(scenario.skittle.mesh, "skittle");
   rename_mesh(scenario.ball.mesh, "ball");
   rename_mesh(scenario.hand.mesh, "hand");
-  for (scene::SkittlePart& part : scenario.skittle.parts) rename_mesh(part.mesh, "skittle-part");
+  int number = 0;
+  for (scene::SkittlePart& part : scenario.skittle.parts) {
+    rename_mesh(part.mesh, fmt::format("skittle-part-{}", ++number));
+  }
   return scene::to_toml(scenario);
 }
 

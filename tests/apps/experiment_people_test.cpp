@@ -223,5 +223,36 @@ TEST_F(StudyPeople, AnAnalysisOfATableOlderThanAnswersSaysSo) {
   EXPECT_THAT(says(), testing::Not(HasSubstr("is older than")));
 }
 
+// A scenario's name is anybody's text. Two files stay two.
+TEST_F(StudyPeople, ADeidentifiedExportHasNoNameOfAScenarioOfOnesOwn) {
+  plan(2);
+  for (const char* file : {"alice/a.obj", "alice/b.obj"}) {
+    spit(folder_ / file, slurp(HEADPIN_SOURCE_DIR "/assets/meshes/skittle_hull.obj"));
+  }
+  play("p001");  // in the bundled room
+  std::string room = slurp(folder_ / "study/scenario.toml");
+  const std::string name = "name = 'uno-slater-1997'", parts = "parts = [";
+  ASSERT_NE(room.find(name), std::string::npos);
+  room.replace(room.find(name), name.size(), "name = 'room of alice smith'");
+  room.insert(room.find(parts) + parts.size(),
+              "{shape = 'polyhedron', file = '../alice/a.obj'}, "
+              "{shape = 'polyhedron', file = '../alice/b.obj'},");
+  spit(folder_ / "study/scenario.toml", room);
+  play("p002");
+  ASSERT_EQ(headpin("experiment export study --motion-bids numbered --deidentify").code, 0);
+  const auto scenario_of = [&](const std::string& subject) {
+    const std::string events =
+        fmt::format("numbered/sub-{0}/motion/sub-{0}_task-bowling_run-01_events.json", subject);
+    const auto sidecar = nlohmann::json::parse(slurp(folder_ / events));
+    return sidecar["HeadpinTrial"]["scenario"].get<std::string>();
+  };
+  EXPECT_THAT(scenario_of("001"), HasSubstr("name = 'uno-slater-1997'"));
+  const std::string own = scenario_of("002");
+  EXPECT_THAT(own, HasSubstr("name = 'scenario'"));
+  EXPECT_THAT(own, testing::Not(HasSubstr("alice")));
+  EXPECT_THAT(own, HasSubstr("'skittle-part-1-mesh.obj'"));
+  EXPECT_THAT(own, HasSubstr("'skittle-part-2-mesh.obj'"));
+}
+
 }  // namespace
 }  // namespace headpin
