@@ -150,7 +150,5 @@ TEST(TakenBack, AReleaseInTheTickOfTheGrabLeavesTheFoul) {
   }
 }
 
-// A log may say anything.
-
 }  // namespace
 }  // namespace headpin::scene
