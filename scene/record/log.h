@@ -37,7 +37,7 @@ Trial read_trial(const std::string& path, Time longest_gap = devices::kLongestGa
 /// A sample or a state is dropped when its time, or a state's tick, jumps away from those before it
 /// and after it by more than a second, while the log's own stamps go on: a flipped bit does that.
 /// A jump that lasts, as of a publisher that started again, is kept. The first and the last of a device are
-/// dropped only if other messages there show that the stamps did not jump.
+/// dropped only if other messages there, or the sample's own other times, show that the stamps did not jump.
 ///
 /// Samples of a session have the time at which the session used them. In older logs, a sample that
 /// follows a state although it was available before reached the session only then; its

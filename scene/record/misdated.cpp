@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <compare>
 #include <deque>
 #include <map>
 #include <optional>
@@ -11,17 +12,25 @@
 namespace headpin::scene {
 namespace {
 
-/// The messages of one clock: a device, or nothing for the states.
-using Whose = std::optional<devices::Device>;
+/// Times of one kind: of a device, or of the states, which have one kind.
+struct Clock {
+  std::optional<devices::Device> device = {};  ///< nothing: the states
+  std::size_t kind = 0;                        ///< of sample_times(); 0: device_time
+  auto operator<=>(const Clock&) const = default;
+};
 
 /// A first or last value of a clock that jumps: only other clocks show whether it is wrong, or whether it is
 /// the log's stamps that jump there.
 struct Doubt {
-  Whose whose;
+  Clock clock;
   std::int64_t message;   ///< of the value
   std::int64_t from, to;  ///< messages between which the jump is
   double jump;            ///< [s]
 };
+
+constexpr double kMostJump_s = 1.0;
+/// A log may tell of thousands of devices: further doubts are as those that nothing settles.
+constexpr std::size_t kMostDoubts = 64;
 
 /// Finds numbers of a sequence that jump away from their neighbours and back.
 class LoneFinder {
@@ -32,9 +41,9 @@ class LoneFinder {
   LoneFinder(double most, std::size_t fewest, std::vector<std::int64_t>& found)
       : most_(most), fewest_(fewest), found_(&found) {}
   /// @param doubts  gets the first and the last value where they jump; `found` does not
-  LoneFinder(double most, std::size_t fewest, std::vector<std::int64_t>& found, Whose whose,
+  LoneFinder(double most, std::size_t fewest, std::vector<std::int64_t>& found, Clock clock,
              std::vector<Doubt>& doubts)
-      : most_(most), fewest_(fewest), found_(&found), of_(whose), doubts_(&doubts) {}
+      : most_(most), fewest_(fewest), found_(&found), clock_(clock), doubts_(&doubts) {}
 
   /// @param told  the time of the value, where it may come late
   void add(std::int64_t message, double value, std::optional<Time> told = {}) {
@@ -97,84 +106,110 @@ class LoneFinder {
     if (!doubts_ || (before_ && row_.size() > 1)) {
       found_->push_back(one.message);
     } else if (before_) {
-      const double jump = one.value - before_->value;
-      doubts_->push_back({of_, one.message, before_->message, one.message, jump});
+      doubt({clock_, one.message, before_->message, one.message, one.value - before_->value});
     } else {
-      const double jump = one.value - row_[1].value;
-      doubts_->push_back({of_, one.message, one.message, row_[2].message, jump});
+      doubt({clock_, one.message, one.message, row_[2].message, one.value - row_[1].value});
     }
+  }
+
+  /// Times of one message that jump alike are one doubt.
+  void doubt(const Doubt& one) {
+    const auto is_same = [&](const Doubt& other) {
+      return other.message == one.message && other.from == one.from && other.to == one.to &&
+             std::abs(other.jump - one.jump) <= kMostJump_s;
+    };
+    if (doubts_->size() < kMostDoubts && std::ranges::none_of(*doubts_, is_same))
+      doubts_->push_back(one);
   }
 
   double most_;
   std::size_t fewest_, count_ = 0;
   std::vector<std::int64_t>* found_;
-  Whose of_;
+  Clock clock_;
   std::vector<Doubt>* doubts_ = nullptr;
   std::deque<Entry> row_;
   std::optional<Entry> before_;  // the last one that was right and not late
   std::optional<Time> told_;     // of the last one that was right
 };
 
-constexpr double kMostJump_s = 1.0;
-
-/// The values of another clock around a doubt: the last before, all between, the first after.
-class Witness {
- public:
-  void add(const Doubt& doubt, std::int64_t message, double value) {
-    if (message < doubt.from) {
-      least_ = most_ = value;
-      count_ = 1;
-      return;
-    }
-    if (after_) return;
-    after_ = message > doubt.to;
-    least_ = count_ == 0 ? value : std::min(least_, value);
-    most_ = count_ == 0 ? value : std::max(most_, value);
-    ++count_;
+/// Calls see(kind, ahead) for each time that a sample has, with how far it is ahead of the log's stamp [s].
+template <typename Sample, typename See>
+void sample_times(const Sample& sample, Time stamp, const See& see) {
+  const std::array all = {sample.device_time, sample.host_time, sample.session_time};
+  for (std::size_t kind = 0; kind < all.size(); ++kind) {
+    if (kind == 0 || all[kind] != Time{}) see(kind, seconds(all[kind] - stamp));
   }
-  bool saw_it() const { return count_ > 1; }
-  double spread() const { return most_ - least_; }
-
- private:
-  std::size_t count_ = 0;
-  double least_ = 0.0, most_ = 0.0;
-  bool after_ = false;
-};
-
-/// Whose time a message has, and how far it is ahead of the log's stamp [s].
-std::optional<std::pair<Whose, double>> clock_of(const Message& message, Time stamp) {
-  const auto of = [&](Whose whose, Time time) {
-    return std::optional(std::pair(whose, seconds(time - stamp)));
-  };
-  if (const auto* tracker = std::get_if<devices::TrackerSample>(&message))
-    return of(devices::device_at(tracker->station), tracker->device_time);
-  if (const auto* mouse = std::get_if<devices::MouseSample>(&message))
-    return of(devices::Device::mouse, mouse->device_time);
-  if (const auto* state = std::get_if<TickState>(&message)) return of(Whose(), state->time);
-  if (const auto* change = std::get_if<StateChange>(&message)) return of(Whose(), change->time);
-  return std::nullopt;
 }
 
-/// Adds the doubtful messages that are wrong: another clock was there, and none jumped as far.
+/// A value of a clock [s], and its message.
+struct Reading {
+  std::int64_t message;
+  double value;
+};
+using Readings = std::map<Clock, std::vector<Reading>>;
+
+/// What may settle doubts: device_time of all devices, the time of the states, and all times of the doubtful
+/// devices; each clock's in order of the messages.
+Readings readings_for(const std::vector<Doubt>& doubts, Messages messages) {
+  Readings out;
+  while (const std::optional<Message> message = messages.next()) {
+    const Time stamp = messages.stamp();
+    const std::int64_t number = messages.number();
+    const auto look_at = [&](const auto& sample, devices::Device device) {
+      const bool in_doubt = std::ranges::any_of(
+          doubts, [&](const Doubt& doubt) { return doubt.clock.device == device; });
+      sample_times(sample, stamp, [&](std::size_t kind, double ahead) {
+        if (kind == 0 || in_doubt) out[{device, kind}].push_back({number, ahead});
+      });
+    };
+    const auto look_at_state = [&](Time time) {
+      out[{}].push_back({number, seconds(time - stamp)});
+    };
+    if (const auto* tracker = std::get_if<devices::TrackerSample>(&*message))
+      look_at(*tracker, devices::device_at(tracker->station));
+    if (const auto* mouse = std::get_if<devices::MouseSample>(&*message))
+      look_at(*mouse, devices::Device::mouse);
+    if (const auto* state = std::get_if<TickState>(&*message)) look_at_state(state->time);
+    if (const auto* change = std::get_if<StateChange>(&*message)) look_at_state(change->time);
+  }
+  return out;
+}
+
+/// Difference of the values of a clock around a doubt: the last before, all between, the first after [s].
+/// Nothing if there are fewer than two.
+std::optional<double> spread_around(const Doubt& doubt, const std::vector<Reading>& clock) {
+  auto first = std::ranges::lower_bound(clock, doubt.from, {}, &Reading::message);
+  auto last = std::ranges::upper_bound(clock, doubt.to, {}, &Reading::message);
+  if (first != clock.begin()) --first;
+  if (last != clock.end()) ++last;
+  if (last - first < 2) return std::nullopt;
+  const auto [least, most] = std::minmax_element(
+      first, last, [](const Reading& a, const Reading& b) { return a.value < b.value; });
+  return most->value - least->value;
+}
+
+/// Whether another clock was there, and none of another device jumped as far. The sample's own other times
+/// may be wrong together with the doubtful one.
+bool is_wrong(const Doubt& doubt, const Readings& all) {
+  bool shown = false;
+  for (const auto& [clock, readings] : all) {
+    const bool own = clock.device == doubt.clock.device;
+    if (clock == doubt.clock || (!own && clock.kind != 0)) continue;
+    const std::optional<double> spread = spread_around(doubt, readings);
+    if (!spread) continue;
+    const bool shared = std::abs(doubt.jump) - *spread <= kMostJump_s;
+    if (shared && !own) return false;
+    shown = shown || !shared;
+  }
+  return shown;
+}
+
+/// Adds the doubtful messages that are wrong.
 void settle(const std::vector<Doubt>& doubts, Messages messages, std::vector<std::int64_t>& found) {
   if (doubts.empty()) return;
-  std::vector<std::map<Whose, Witness>> witnesses(doubts.size());
-  while (const std::optional<Message> message = messages.next()) {
-    const auto clock = clock_of(*message, messages.stamp());
-    if (!clock) continue;
-    for (std::size_t i = 0; i < doubts.size(); ++i) {
-      if (clock->first == doubts[i].whose) continue;
-      witnesses[i][clock->first].add(doubts[i], messages.number(), clock->second);
-    }
-  }
-  for (std::size_t i = 0; i < doubts.size(); ++i) {
-    bool seen = false, shared = false;
-    for (const auto& [whose, witness] : witnesses[i]) {
-      if (!witness.saw_it()) continue;
-      seen = true;
-      shared = shared || std::abs(doubts[i].jump) - witness.spread() <= kMostJump_s;
-    }
-    if (seen && !shared) found.push_back(doubts[i].message);
+  const Readings all = readings_for(doubts, std::move(messages));
+  for (const Doubt& doubt : doubts) {
+    if (is_wrong(doubt, all)) found.push_back(doubt.message);
   }
 }
 
@@ -187,11 +222,10 @@ Misdated find_misdated(Messages messages) {
   Misdated out;
   std::vector<std::int64_t>& found = out.messages;
   std::vector<Doubt> doubts;
-  std::map<std::pair<devices::Device, std::size_t>, LoneFinder>
-      samples;  // each device, all its times
+  std::map<Clock, LoneFinder> samples;
   std::map<devices::Device, Time> newest;
   std::optional<std::int64_t> last_tick;
-  LoneFinder times(kMostJump_s, 1, found, Whose(), doubts), ticks(kMostTicks, 1, found);
+  LoneFinder times(kMostJump_s, 1, found, Clock(), doubts), ticks(kMostTicks, 1, found);
   std::int64_t states = 0;
   const auto look_at_state = [&](const auto& state) {
     times.add(messages.number(), seconds(state.time - messages.stamp()));
@@ -204,13 +238,12 @@ Misdated find_misdated(Messages messages) {
     const auto [last, first] = newest.try_emplace(device, sample.device_time);
     out.goes_back = out.goes_back || (!first && sample.device_time <= last->second);
     last->second = std::max(last->second, sample.device_time);
-    const std::array all = {sample.device_time, sample.host_time, sample.session_time};
-    for (std::size_t kind = 0; kind < all.size(); ++kind) {
-      if (kind > 0 && all[kind] == Time{}) continue;  // it has no such time
-      samples.try_emplace(std::pair(device, kind), kMostJump_s, kFewest, found, device, doubts)
-          .first->second.add(messages.number(), seconds(all[kind] - messages.stamp()),
+    sample_times(sample, messages.stamp(), [&](std::size_t kind, double ahead) {
+      const Clock clock{device, kind};
+      samples.try_emplace(clock, kMostJump_s, kFewest, found, clock, doubts)
+          .first->second.add(messages.number(), ahead,
                              kind == 0 ? std::optional(sample.device_time) : std::nullopt);
-    }
+    });
   };
   while (const std::optional<Message> message = messages.next()) {
     if (const auto* tracker = std::get_if<devices::TrackerSample>(&*message)) look_at(*tracker);

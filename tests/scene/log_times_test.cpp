@@ -132,5 +132,66 @@ TEST(LogTimes, OfALogWithSnapshotsOnlyTheDoubledMessageIsLeftOut) {
   }
 }
 
+/// Samples of one hand, at 10 Hz; all its times are those of the log.
+std::vector<Sent> samples_of(std::int32_t station, int first, int count) {
+  std::vector<Sent> out;
+  for (int i = first; i < first + count; ++i) {
+    devices::TrackerSample sample = test::tracker(1);
+    sample.station = station;
+    sample.sequence = i - first;
+    sample.device_time = sample.host_time = sample.session_time = Time{100'000 * i};
+    out.push_back({sample.device_time, sample});
+  }
+  return out;
+}
+
+TEST(LogTimes, AWrongTimeOfTheFirstOrLastSampleIsShownByItsOwnOtherTimes) {
+  using Tracker = devices::TrackerSample;
+  for (Time Tracker::*const wrong :
+       {&Tracker::device_time, &Tracker::host_time, &Tracker::session_time}) {
+    for (const bool first : {true, false}) {
+      std::vector<Sent> samples = samples_of(1, 1, 40);
+      std::get<Tracker>((first ? samples.front() : samples.back()).sample).*wrong +=
+          Time{70'000'000};
+      const Trial trial = read_log(log_of(samples));
+      EXPECT_EQ(trial.skipped.misdated, 1);
+      EXPECT_EQ(trial.samples.size(), 39u);
+    }
+  }
+}
+
+// Of the log's stamp nothing else tells.
+TEST(LogTimes, ASampleWhoseTimesAllJumpAlikeIsKeptWhereNothingElseShowsThatItIsWrong) {
+  for (const bool first : {true, false}) {
+    std::vector<Sent> samples = samples_of(1, 1, 40);
+    auto& jumps =
+        std::get<devices::TrackerSample>((first ? samples.front() : samples.back()).sample);
+    for (Time* time : {&jumps.device_time, &jumps.host_time, &jumps.session_time}) {
+      *time += Time{70'000'000};
+    }
+    EXPECT_EQ(read_log(log_of(samples)).skipped.misdated, 0);
+  }
+}
+
+// Each has to be compared with all other clocks.
+TEST(LogTimes, OfThousandsOfDevicesOnlySoManyDoubtsAreSettled) {
+  constexpr int kEach = 8, kDevices = 200;
+  std::vector<Sent> samples = samples_of(1, 1, kEach);
+  const auto add = [&](const std::vector<Sent>& more) {
+    samples.insert(samples.end(), more.begin(), more.end());
+  };
+  int next = 1 + kEach;
+  for (int device = 0; device < kDevices; ++device, next += kEach) {
+    add(samples_of(2 + device, next, kEach));
+    auto& last = std::get<devices::TrackerSample>(samples.back().sample);
+    for (Time* time : {&last.device_time, &last.host_time, &last.session_time}) {
+      *time += Time{70'000'000};
+    }
+  }
+  add(samples_of(1, next, 1));
+  const Trial trial = read_log(log_of(samples));
+  EXPECT_EQ(trial.skipped.misdated, 64);  // the three times of a sample are one doubt
+}
+
 }  // namespace
 }  // namespace headpin::scene
