@@ -36,22 +36,28 @@ std::string what_is_missing(const TrialSummary& trial) {
   const Skipped& skipped = trial.skipped;
   const std::int64_t messages =
       skipped.undecodable + skipped.implausible + skipped.baseless + skipped.misdated;
-  const std::string another =
-      skipped.other_trials > 0 ? "another trial that follows in the same file is not read" : "";
-  if (trial.complete) {
-    if (messages == 0) return another;
-    return fmt::format("has its end, but {} messages of it are passed over{}{}", messages,
-                       another.empty() ? "" : "; ", another);
+  const auto counted = [](std::int64_t n, const char* unit) {
+    return fmt::format("{} {}{}", n, unit, n == 1 ? "" : "s");
+  };
+  std::vector<std::string> said;
+  if (!trial.complete) {
+    std::vector<std::string> unread;
+    if (messages > 0) unread.push_back(counted(messages, "message"));
+    if (const auto n = skipped.bytes + skipped.cut_bytes; n > 0)
+      unread.push_back(counted(n, "byte"));
+    said.push_back(
+        fmt::format("is incomplete: it ends at {:.3f} s", seconds(trial.last.value_or(Time{}))));
+    if (!unread.empty()) {
+      said.push_back(fmt::format("{} of it cannot be read", fmt::join(unread, " and ")));
+    }
+  } else if (messages > 0) {
+    said.push_back(fmt::format("is complete, but {} in it {} wrong and not used",
+                               counted(messages, "message"), messages == 1 ? "is" : "are"));
   }
-  std::vector<std::string> unread;
-  if (messages > 0) unread.push_back(fmt::format("{} messages", messages));
-  if (const auto n = skipped.bytes + skipped.cut_bytes; n > 0) {
-    unread.push_back(fmt::format("{} bytes", n));
+  if (skipped.other_trials > 0) {
+    said.push_back("the file has another trial after it, which is not read");
   }
-  return fmt::format(
-      "is incomplete: it ends at {:.3f} s{}{}{}", seconds(trial.last.value_or(Time{})),
-      unread.empty() ? "" : fmt::format("; {} of it cannot be read", fmt::join(unread, " and ")),
-      another.empty() ? "" : "; ", another);
+  return fmt::format("{}", fmt::join(said, "; "));
 }
 
 struct LogContent {

@@ -28,7 +28,7 @@ TrialSummary summarise(const LogContent& log);
 std::string why_without_events(const TrialSummary& log, std::size_t bytes);
 
 /// Where an incomplete trial ends and how much of it is unreadable: "is incomplete: it ends at 3.000 s;
-/// 12 bytes of it cannot be read". Of a complete one, how many messages are passed over as wrong.
+/// 12 bytes of it cannot be read". Of a complete one, how many messages are wrong and not used.
 /// Also whether another trial follows in the file. Empty if all is read.
 std::string what_is_missing(const TrialSummary& trial);
 

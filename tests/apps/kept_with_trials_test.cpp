@@ -107,7 +107,7 @@ TEST_F(TrialCommands, ASecondTrialInAFileIsNotIgnoredWithoutAWord) {
   const Result both = headpin("replay both.lcmlog");
   EXPECT_EQ(both.code, 0);
   EXPECT_EQ(both.err,
-            "headpin replay: both.lcmlog: another trial that follows in the same file is not read; "
+            "headpin replay: both.lcmlog: the file has another trial after it, which is not read; "
             "see `headpin info`\n");
   EXPECT_THAT(headpin("info both.lcmlog").out, HasSubstr("1 more trial in the same file"));
   EXPECT_EQ(headpin("replay other.lcmlog").err, "");
@@ -127,8 +127,8 @@ TEST_F(TrialCommands, AMessageOfACompleteTrialIsNotPassedOverWithoutAWord) {
   const Result replayed = headpin("replay wrong.lcmlog");
   EXPECT_EQ(replayed.code, 0);
   EXPECT_EQ(replayed.err,
-            "headpin replay: wrong.lcmlog: has its end, but 1 messages of it are passed over; see "
-            "`headpin info`\n");
+            "headpin replay: wrong.lcmlog: is complete, but 1 message in it is wrong and not used; "
+            "see `headpin info`\n");
 }
 
 }  // namespace

@@ -374,5 +374,29 @@ TEST(LogTest, SaysWhichMessagesAreAmiss) {
                  "implausible TRACKER 1 15000000 15000000", "lost right hand 1 15100000 15100000"));
 }
 
+TEST(LogTest, WhatIsMissingIsSaidInWholeSentences) {
+  TrialSummary trial;
+  trial.complete = true;
+  EXPECT_EQ(what_is_missing(trial), "");
+  trial.skipped.misdated = 1;
+  EXPECT_EQ(what_is_missing(trial), "is complete, but 1 message in it is wrong and not used");
+  trial.skipped.implausible = 2;
+  trial.skipped.other_trials = 1;
+  EXPECT_EQ(what_is_missing(trial),
+            "is complete, but 3 messages in it are wrong and not used; the file has another trial "
+            "after it, which is not read");
+  trial.complete = false;
+  trial.last = Time{3'000'000};
+  trial.skipped.bytes = 1;
+  trial.skipped.implausible = 0;
+  trial.skipped.other_trials = 0;
+  EXPECT_EQ(what_is_missing(trial),
+            "is incomplete: it ends at 3.000 s; 1 message and 1 byte of it cannot be read");
+  trial.skipped.cut_bytes = 11;
+  trial.skipped.misdated = 0;
+  EXPECT_EQ(what_is_missing(trial),
+            "is incomplete: it ends at 3.000 s; 12 bytes of it cannot be read");
+}
+
 }  // namespace
 }  // namespace headpin::scene
