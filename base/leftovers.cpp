@@ -38,8 +38,12 @@ std::optional<pid_t> writer_of(std::string_view name, std::string_view stem) {
 }  // namespace
 
 bool is_left(int folder, const std::string& name) {
-  // For writing, without which NFS locks nothing.
-  const int file = openat(folder, name.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  const auto open_for = [&](int access) {
+    return openat(folder, name.c_str(), access | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  };
+  // For writing, without which NFS locks nothing. A part has the permissions of the file that it shall replace.
+  int file = open_for(O_RDWR);
+  if (file < 0 && errno == EACCES) file = open_for(O_RDONLY);
   if (file < 0) return false;
   struct stat is {};
   const bool left =

@@ -399,5 +399,29 @@ TEST_F(OutputFileTest, WhatCannotBeLockedIsNotLeft) {
   EXPECT_EQ(slurp(folder_ / "a"), "whole");
 }
 
+// It has the permissions of the file that it was to replace.
+TEST_F(OutputFileTest, APartThatMayOnlyBeReadIsRemoved) {
+  fs::permissions(folder_.path(), fs::perms(0777));
+  const pid_t child = fork();
+  if (child == 0) {
+    constexpr uid_t kAnother = 12345;
+    if (chdir(folder_.path().c_str()) != 0) std::_Exit(1);
+    if (geteuid() == 0 && setuid(kAnother) != 0) std::_Exit(1);  // root may write all
+    for (const char* part : {"a.999999999-0.part", "b.999999999-0.part"}) {
+      spit(part, "left");
+      if (chmod(part, 0444) != 0) std::_Exit(1);
+    }
+    const int locked = open("b.999999999-0.part", O_RDONLY | O_CLOEXEC);
+    if (!lock(locked)) std::_Exit(1);
+    remove_left_parts(".");
+    std::_Exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
+  EXPECT_FALSE(fs::exists(folder_ / "a.999999999-0.part"));
+  EXPECT_TRUE(fs::exists(folder_ / "b.999999999-0.part"));
+}
+
 }  // namespace
 }  // namespace headpin::base
