@@ -4,6 +4,7 @@
 #include <numeric>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,13 @@
 namespace headpin::scene {
 
 namespace {
+
+/// Takes the first line off a text, with its line feed.
+std::string_view take_line(std::string_view& rest) {
+  const std::string_view line = rest.substr(0, std::min(rest.find('\n'), rest.size() - 1) + 1);
+  rest.remove_prefix(line.size());
+  return line;
+}
 
 /// An OBJ whose lines begin without blanks and end with a line feed, without a byte order mark: other
 /// programs read it all the same, assimp does not. A line that goes on from the one before keeps its
@@ -26,9 +34,7 @@ std::string evened_obj(std::string_view bytes) {
   std::string evened;
   evened.reserve(text.size());
   for (std::string_view rest = text; !rest.empty();) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size() - 1) + 1;
-    std::string_view line = rest.substr(0, end);
-    rest.remove_prefix(end);
+    std::string_view line = take_line(rest);
     const bool goes_on = evened.ends_with("\\\n") || evened.ends_with("\\\r\n");
     if (!goes_on) line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
     evened += line;
@@ -36,34 +42,54 @@ std::string evened_obj(std::string_view bytes) {
   return evened;
 }
 
+bool is_vertex(std::string_view line) {
+  return line.starts_with("v ") || line.starts_with("v\t");
+}
+
 /// How many numbers a line has that is a vertex; 0 of other lines.
 std::size_t numbers_of_vertex(std::string_view line) {
-  constexpr std::string_view kBlank = " \t\r";
+  constexpr std::string_view kBlank = " \t\r\n";
   std::size_t numbers = 0;
-  if (!line.starts_with("v ")) return numbers;
+  if (!is_vertex(line)) return numbers;
   for (std::size_t at = 1; (at = line.find_first_not_of(kBlank, at)) != line.npos; ++numbers) {
     at = std::min(line.find_first_of(kBlank, at), line.size());
   }
   return numbers;
 }
 
+bool has_colours(std::string_view text) {
+  while (!text.empty()) {
+    if (numbers_of_vertex(take_line(text)) == 6) return true;
+  }
+  return false;
+}
+
+/// A vertex x y z, or x y z w, that is white. As it is where w is 0, which assimp refuses.
+std::string white(std::string_view vertex, bool has_w) {
+  if (!has_w) return fmt::format("{} 1 1 1", vertex);
+  float x = 0.0F, y = 0.0F, z = 0.0F, w = 0.0F;
+  std::istringstream numbers{std::string(vertex.substr(1))};
+  if (!(numbers >> x >> y >> z >> w) || w == 0.0F) return std::string(vertex);
+  return fmt::format("v {} {} {} 1 1 1", x / w, y / w, z / w);
+}
+
 /// An OBJ in which all vertices have a colour if one has. Assimp would give the colours, in their order,
 /// to the first vertices, and black to the others.
-std::string with_all_colours(const std::string& text) {
+std::string with_all_colours(std::string text) {
+  if (!has_colours(text)) return text;
   std::string all;
-  bool some = false;
   for (std::string_view rest = text; !rest.empty();) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size() - 1) + 1;
-    const std::string_view line = rest.substr(0, end);
-    rest.remove_prefix(end);
-    const std::size_t numbers = numbers_of_vertex(line.substr(0, line.find('\n')));
-    some = some || numbers >= 6;
-    const std::size_t last = numbers == 3 ? line.find_last_not_of(" \t\r\n") + 1 : line.size();
-    all += line.substr(0, last);
-    if (numbers == 3) all += " 1 1 1";
+    const std::string_view line = take_line(rest);
+    const std::size_t numbers = numbers_of_vertex(line);
+    if (numbers != 3 && numbers != 4) {
+      all += line;
+      continue;
+    }
+    const std::size_t last = line.find_last_not_of(" \t\r\n") + 1;
+    all += white(line.substr(0, last), numbers == 4);
     all += line.substr(last);
   }
-  return some ? all : text;
+  return all;
 }
 
 }  // namespace
@@ -80,12 +106,12 @@ std::string plain_obj(std::string_view bytes) {
     std::fill_n(text.begin() + static_cast<std::ptrdiff_t>(at + comment), line.size() - comment,
                 ' ');
     line = line.substr(0, comment);
-    if (line.starts_with("v ") &&
+    if (is_vertex(line) &&
         line.find_first_not_of("0123456789+-.eE \t\r", 1) != std::string_view::npos) {
       throw std::runtime_error(fmt::format("line {}: a vertex is not a number", number));
     }
   }
-  return with_all_colours(text);
+  return with_all_colours(std::move(text));
 }
 
 void require_faces(std::span<const std::uint32_t> sizes, std::span<const std::uint32_t> corners,

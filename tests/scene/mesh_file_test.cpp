@@ -1,8 +1,10 @@
 #include "scene/stage/mesh_file.h"
 
+#include <algorithm>
 #include <fstream>
 #include <numbers>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <tuple>
 
@@ -421,6 +423,30 @@ TEST(MeshFile, ThatComesAlongIsWhatTheProgramDraws) {
       ASSERT_LT((mesh.colours[k] - v.colour.cast<double>()).norm(), 5e-3) << name << i;
     }
   }
+}
+
+// With a tab, and with the fourth number of a point in homogeneous coordinates.
+TEST(MeshFile, KeepsItsColoursBesideVerticesOfOtherForms) {
+  const std::string red = "v 0 0 0 1 0 0\nv\t1 0 0\t1 0 0\nv 0 1 0 1 0 0\n";
+  for (const std::string plain :
+       {"v\t0 0 2\nv\t1\t0\t2\nv\t0 1 2\n", "v 0 0 2 1\nv 2 0 4 2\nv 0 0.5 1 0.5\r\n"}) {
+    const std::filesystem::path path =
+        file("headpin_forms.obj", std::string(plain) + red + "f 1 2 3\nf 4 5 6\n");
+    const MeshData mesh = mesh_of(read_mesh_file(path), path, {.unit = 1.0, .axes = "RAS"});
+    ASSERT_EQ(mesh.points.size(), 6u);
+    ASSERT_EQ(mesh.colours.size(), 6u);
+    for (std::size_t i = 0; i < 6; ++i) {
+      const bool white = mesh.points[i].z() > 1.0;
+      EXPECT_LT((mesh.colours[i] - (white ? Vec3(1.0, 1.0, 1.0) : Vec3(1.0, 0.0, 0.0))).norm(),
+                1e-6)
+          << i;
+    }
+    const auto above = [](const Vec3& p) { return (p - Vec3(1.0, 0.0, 2.0)).norm() < 1e-6; };
+    EXPECT_EQ(std::ranges::count_if(mesh.points, above), 1);
+  }
+  EXPECT_EQ(plain_obj("v 0 0 2 1\nv\t1 0 2\n"), "v 0 0 2 1\nv\t1 0 2\n");  // without colours
+  EXPECT_EQ(plain_obj("v 0 0 0 1 0 0\nv 0 0 2 0\n"), "v 0 0 0 1 0 0\nv 0 0 2 0\n");  // at infinity
+  EXPECT_THROW(plain_obj("v\t0 x 0\n"), std::runtime_error);
 }
 
 }  // namespace
