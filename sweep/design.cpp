@@ -170,38 +170,26 @@ void read_random(const toml::table& random, const std::string& where, Design& de
   for (auto& [place, range] : found) design.drawn.push_back(std::move(range));
 }
 
-/// Keys of a scenario of which nothing is left where all of a group stand beside this one.
-std::vector<std::vector<std::string>> groups_set_by(const std::string& key) {
-  const auto of_versions = [](const std::string& what) {
-    return std::vector{fmt::format("version.red.{}", what), fmt::format("version.blue.{}", what)};
-  };
+/// Groups of keys that leave nothing of this one where all of a group stand beside it.
+/// @param versions  the two versions have values of their own
+std::vector<std::vector<std::string>> groups_set_by(const std::string& key, bool versions) {
+  std::vector<std::vector<std::string>> groups;
+  const bool of_versions =
+      key == "elasticity" || key == "friction" || key == "shape" || key == "collision.shape";
+  if (versions && of_versions) {
+    const std::string what = key.substr(key.rfind('.') + 1);
+    groups.push_back({fmt::format("version.red.{}", what), fmt::format("version.blue.{}", what)});
+  }
   if (key == "elasticity" || key == "friction") {
-    std::vector<std::string> keys;
+    groups.emplace_back();
     for (const char* object : {"skittle", "ball", "lane", "wall"}) {
-      keys.push_back(fmt::format("material.{}.{}", object, key));
-    }
-    return {keys, of_versions(key)};
-  }
-  if (key == "shape") return {{"collision.shape"}, of_versions(key)};
-  if (key == "collision.shape") return {of_versions("shape")};
-  for (const char* option : {"response", "detection", "iterations"}) {
-    if (key == option) return {{fmt::format("collision.{}", option)}};
-  }
-  return {};
-}
-
-/// Keys of a scenario go before those of options. So an option of which they leave nothing would stand in
-/// the tables with values that no row has.
-void require_effects(const std::set<std::string>& keys, const std::string& where) {
-  for (const std::string& key : keys) {
-    for (const std::vector<std::string>& set : groups_set_by(key)) {
-      const auto is_given = [&](const std::string& one) { return keys.contains(one); };
-      if (!std::ranges::all_of(set, is_given)) continue;
-      throw std::invalid_argument(
-          fmt::format("{}: '{}' sets {}, which {} a key of this design too; expected one of them",
-                      where, key, fmt::join(set, ", "), set.size() == 1 ? "is" : "are each"));
+      groups.back().push_back(fmt::format("material.{}.{}", object, key));
     }
   }
+  for (const char* option : {"shape", "response", "detection", "iterations"}) {
+    if (key == option) groups.push_back({fmt::format("collision.{}", option)});
+  }
+  return groups;
 }
 
 void require_different_keys(const Design& design, const std::string& where) {
@@ -214,7 +202,6 @@ void require_different_keys(const Design& design, const std::string& where) {
   };
   for (const Axis& axis : design.grid) add(axis.key, axis.line);
   for (const Range& range : design.drawn) add(range.key, range.line);
-  require_effects(keys, where);
 }
 
 }  // namespace
@@ -248,6 +235,21 @@ Design parse_design(std::string_view text, const std::string& where) {
         fmt::format("{}: expected at most {} rows, found more", where, kMostRows));
   }
   return design;
+}
+
+void require_effects(const Design& design, bool versions, const std::string& where) {
+  std::set<std::string> keys;
+  for (const Axis& axis : design.grid) keys.insert(axis.key);
+  for (const Range& range : design.drawn) keys.insert(range.key);
+  for (const std::string& key : keys) {
+    for (const std::vector<std::string>& set : groups_set_by(key, versions)) {
+      const auto is_given = [&](const std::string& one) { return keys.contains(one); };
+      if (!std::ranges::all_of(set, is_given)) continue;
+      throw std::invalid_argument(
+          fmt::format("{}: '{}' sets {}, which {} a key of this design too; expected one of them",
+                      where, key, fmt::join(set, ", "), set.size() == 1 ? "is" : "are each"));
+    }
+  }
 }
 
 std::int64_t row_count(const Design& design) {

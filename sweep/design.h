@@ -41,6 +41,13 @@ struct Design {
 ///   is checked by plan()
 Design parse_design(std::string_view text, const std::string& where);
 
+/// Refuses a key of which other keys leave nothing: keys of a scenario go before those of options. It would
+/// stand in the tables with values that no row has. For new sweeps; one that is there keeps its design.
+///
+/// @param versions  every row has a red and a blue version, whose values go before those for both
+/// @throws std::invalid_argument  "FILE: KEY sets KEYS, ..."
+void require_effects(const Design& design, bool versions, const std::string& where);
+
 /// Trials x points of the grid x draws, at most kMostRows.
 std::int64_t row_count(const Design& design);
 

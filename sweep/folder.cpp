@@ -112,6 +112,16 @@ void require_paper_rows(const Design& design, const std::vector<Trial>& trials,
       where, axis->line));
 }
 
+/// Whether every row has a red and a blue version, by the design's key or the trials' own.
+bool all_have_versions(const Design& design, const std::vector<Trial>& trials) {
+  const auto axis = std::ranges::find(design.grid, "version.buttons", &Axis::key);
+  if (axis != design.grid.end()) {
+    return std::ranges::all_of(axis->values, [](const auto& value) { return value == "true"; });
+  }
+  return std::ranges::all_of(trials,
+                             [](const Trial& trial) { return trial.scenario.version.buttons; });
+}
+
 void require_different_names(const Design& design, const std::string& where) {
   std::set<std::string> names;
   for (const std::string& trial : design.trials) {
@@ -184,6 +194,7 @@ std::int64_t plan(const fs::path& file, const SweepFolder& at, const std::functi
     check();
   }
   try_values(design, trials, file.string());
+  require_effects(design, all_have_versions(design, trials), file.string());
   require_paper_rows(design, trials, file.string());
   const Rows rows(design, hashes_of(trials));
   const std::string table = rows_csv(rows, check);

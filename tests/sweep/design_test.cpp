@@ -59,9 +59,11 @@ TEST(SweepDesign, AKeyIsOfTheTrialsBytesTheKeysAndTheValuesInAnyOrder) {
 
 // The scenario's key would win, and the column of the option would have values that no row has.
 TEST(SweepDesign, AnOptionThatHasNoEffectBesideOtherKeysIsRefused) {
-  const auto says = [](const std::string& text) -> std::string {
+  bool versions = true;
+  const auto says = [&](const std::string& text) -> std::string {
+    const Design design = of(text);  // a sweep that is there has it
     try {
-      of(text);
+      require_effects(design, versions, "sweep.toml");
     } catch (const std::invalid_argument& error) {
       return error.what();
     }
@@ -90,7 +92,13 @@ TEST(SweepDesign, AnOptionThatHasNoEffectBesideOtherKeysIsRefused) {
     EXPECT_THAT(says(fmt::format("{}version.blue.{} = [1]\n", red, what)),
                 HasSubstr(fmt::format(
                     "'{0}' sets version.red.{1}, version.blue.{1}, which are each", key, what)));
+    versions = false;  // nothing has the values of versions
+    EXPECT_EQ(says(fmt::format("{}version.blue.{} = [1]\n", red, what)), "accepted");
+    versions = true;
   }
+  versions = false;
+  EXPECT_THAT(says("[grid]\nshape = ['true']\ncollision.shape = ['true']\n"),
+              HasSubstr("'shape' sets collision.shape"));
 }
 
 // The profile sets all values of the display, so it is set before one of them.

@@ -1,0 +1,61 @@
+#include "sweep/folder.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/sha256.h"
+#include "study/csv.h"
+#include "tests/support/folder.h"
+
+namespace headpin::sweep {
+namespace {
+
+namespace fs = std::filesystem;
+
+class SweepFolderTest : public testing::Test {
+ protected:
+  SweepFolderTest() {
+    fs::copy_file(HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog", folder_ / "t.lcmlog");
+  }
+
+  std::string planned(const std::string& grid) const {
+    spit(folder_ / "sweep.toml", "trials = ['t.lcmlog']\n[grid]\n" + grid);
+    return complaint([&] { plan(folder_ / "sweep.toml", SweepFolder{folder_ / "sweep"}, [] {}); });
+  }
+
+  const TemporaryFolder folder_;
+};
+
+// It may have been planned, and simulated, before such a design was refused.
+TEST_F(SweepFolderTest, ASweepWhoseDesignIsRefusedTodayOpens) {
+  const std::string grid = "shape = ['ellipsoid', 'true']\ncollision.shape = ['true']\n";
+  EXPECT_THAT(planned(grid), testing::HasSubstr("'shape' sets collision.shape"));
+  ASSERT_EQ(planned("shape = ['ellipsoid', 'true']\n"), "");
+  const SweepFolder at{folder_ / "sweep"};
+  const std::string text = "trials = ['t.lcmlog']\n[grid]\n" + grid;
+  const Rows rows(parse_design(text, "sweep.toml"), {base::sha256(slurp(folder_ / "t.lcmlog"))});
+  std::string table = study::csv_line(columns_of(rows));
+  for (std::int64_t i = 0; i < rows.size(); ++i) {
+    table += study::csv_line(cells_of(rows, rows.at(i)));
+  }
+  spit(at.design(), text);
+  spit(at.rows(), table);
+  EXPECT_EQ(open_sweep(at.root).rows.size(), 2);
+}
+
+// Only versions have values of their own: the bundled throw has none, its elasticity counts.
+TEST_F(SweepFolderTest, KeysOfVersionsStandForThoseOfBothOnlyInRowsWithVersions) {
+  const std::string keys =
+      "elasticity = [0.5, 0.7]\nversion.red.elasticity = [0.3]\nversion.blue.elasticity = [0.3]\n";
+  const std::string refused = "'elasticity' sets version.red.elasticity, version.blue.elasticity";
+  EXPECT_THAT(planned(keys + "version.buttons = [true]\n"), testing::HasSubstr(refused));
+  EXPECT_EQ(planned(keys + "version.buttons = [false]\n"), "");
+  fs::remove_all(folder_ / "sweep");
+  EXPECT_EQ(planned(keys + "version.buttons = [false, true]\n"), "");
+  fs::remove_all(folder_ / "sweep");
+  EXPECT_EQ(planned(keys), "");
+}
+
+}  // namespace
+}  // namespace headpin::sweep
