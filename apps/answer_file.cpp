@@ -99,13 +99,17 @@ void leave_out_drawn(study::Answers& answers) {
 }
 
 AnswerFile::AnswerFile(const Study& study, const std::string& id)
-    : id_(id), path_(study.at.answers(id)) {
+    : questions_(study.questions), id_(id), path_(study.at.answers(id)) {
   fs::create_directories(path_.parent_path());
+  open();
+}
+
+void AnswerFile::open() {
   file_.emplace(path_.string());
   const std::string torn(torn_line(file_->text()));
   const std::string text = file_->text().substr(0, file_->text().size() - torn.size());
   require_commas(text, path_.string());
-  answers = study::parse_answers(text, path_.string(), study.questions, id);
+  answers = study::parse_answers(text, path_.string(), questions_, id_);
   if (torn.empty()) return;
   say("{}: its last line is no whole answer, as a crash leaves it; removed: {}\n", path_.string(),
       study::shown(torn));
@@ -121,12 +125,10 @@ void AnswerFile::set_drawn_aside() {
   const std::string lines = lines_of(id_, drawn);
   const fs::path aside = aside_for(path_, lines);
   if (!fs::exists(aside)) base::write_text({aside.string(), {}}, lines);
-  file_.reset();  // its lock keeps everybody from replacing the file
-  base::write_text({path_.string(), {.overwrite = true}}, lines_of(id_, own));
-  file_.emplace(path_.string());
-  answers = own;
+  base::write_text({path_.string(), {.overwrite = true, .locked = true}}, lines_of(id_, own));
   say("{}: a person plays {}; {} drawn answers are kept in {}\n", path_.string(), id_, drawn.size(),
       aside.string());
+  open();
 }
 
 void AnswerFile::add(const study::Answers& more) {

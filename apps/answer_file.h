@@ -27,7 +27,7 @@ bool plays_as_person(const Study& study, const std::string& id);
 /// Leaves those that a person gave.
 void leave_out_drawn(study::Answers& answers);
 
-/// The file of a participant's answers; answers can be added.
+/// The file of a participant's answers; answers can be added. The study must live as long.
 class AnswerFile {
  public:
   /// @throws base::Busy             when another headpin has it open
@@ -50,6 +50,9 @@ class AnswerFile {
   study::Answers answers;
 
  private:
+  void open();
+
+  const study::Questionnaire& questions_;
   std::string id_;
   std::filesystem::path path_;
   std::optional<base::LineFile> file_;

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/input_file.h"
@@ -27,6 +28,14 @@ void sync_folder_of(const std::string& path) {
   close(folder);
 }
 
+/// Whether the open file still has this name; another one has it where the file was replaced.
+bool has_name(int descriptor, const std::string& path) {
+  struct stat ours {
+  }, named{};
+  return fstat(descriptor, &ours) == 0 && stat(path.c_str(), &named) == 0 &&
+         ours.st_dev == named.st_dev && ours.st_ino == named.st_ino;
+}
+
 bool is_end(char c) {
   return c == '\n' || c == '\r';
 }
@@ -37,11 +46,22 @@ void LineFile::fail(const std::string& doing) const {
   throw std::runtime_error(path_ + ": " + doing + ": " + std::strerror(errno));
 }
 
+void LineFile::open_locked() {
+  constexpr int kMostTries = 100;  // as many files of that name in the time of opening one
+  for (int i = 0; i < kMostTries; ++i) {
+    descriptor_ = open(path_.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) fail("cannot be opened");
+    const bool free = lock(descriptor_);
+    if (free && has_name(descriptor_, path_)) return;
+    close(descriptor_);
+    if (!free) break;
+  }
+  throw Busy(path_ + ": another headpin is writing it");
+}
+
 LineFile::LineFile(std::string path) : path_(std::move(path)) {
-  descriptor_ = open(path_.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) fail("cannot be opened");
+  open_locked();
   try {
-    if (!lock(descriptor_)) throw Busy(path_ + ": another headpin is writing it");
     text_ = read_text(path_, kMostLines);
     size_ = static_cast<std::int64_t>(text_.size());
     ended_ = text_.empty() || is_end(text_.back());

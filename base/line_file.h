@@ -9,7 +9,8 @@ namespace headpin::base {
 /// A locked file to which whole lines are added; each line is on the disk when add() returns.
 class LineFile {
  public:
-  /// Opens the file, or creates it, and changes nothing in it.
+  /// Opens the file, or creates it, and changes nothing in it. It is the file of that name once it is locked,
+  /// also where another headpin has replaced it before.
   /// @throws std::runtime_error  naming the file and the reason
   /// @throws Busy                when another headpin has it open
   explicit LineFile(std::string path);
@@ -31,6 +32,7 @@ class LineFile {
   void append(const std::string& more);
 
  private:
+  void open_locked();
   [[noreturn]] void fail(const std::string& doing) const;
 
   std::string path_, text_;

@@ -177,7 +177,7 @@ void OutputFile::open_in_folder(bool exists, const fs::path& folder) {
     const int there =
         openat(folder_, target_.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (there < 0) fail("cannot be replaced");
-    const bool free = lock(there);
+    const bool free = options_.locked || lock(there);
     fstat(there, &old);
     close(there);
     if (!free) throw Busy(said_ + ": is being written by another headpin");

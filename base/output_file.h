@@ -24,6 +24,7 @@ class OutputFile {
  public:
   struct Options {
     bool overwrite = false;  ///< replace an existing file; else it is refused
+    bool locked = false;  ///< the caller has locked the file that is replaced, until after commit()
     /// Has its final name from the start, so that a crash leaves it there.
     bool live = false;
     bool standard_output = false;  ///< `-` is allowed

@@ -12,6 +12,7 @@
 
 #include "base/left_parts.h"
 #include "base/lock.h"
+#include "base/output_file.h"
 #include "tests/base/failing_calls.h"
 #include "tests/support/folder.h"
 
@@ -146,6 +147,37 @@ TEST(LeftParts, AreRemovedWhereTheirProcessIsGone) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a.txt.999999999-0.part"));
   EXPECT_TRUE(std::filesystem::exists(folder / "notes.part"));
   EXPECT_TRUE(std::filesystem::exists(folder / "b.999999999-1.parts"));
+}
+
+// Whoever opens a file just before it is replaced has one without a name, whose lines nobody reads.
+TEST(LineFile, ThatIsReplacedWhileItIsOpenedIsTheNewOne) {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "lines").string();
+  spit(path, "old\n");
+  do_before_call("flock", 0, [&] {
+    std::filesystem::remove(path);
+    spit(path, "new\n");
+  });
+  LineFile file(path);
+  let_all_succeed();
+  EXPECT_EQ(file.text(), "new\n");
+  EXPECT_THROW(LineFile other(path), Busy);
+  file.append("more\n");
+  EXPECT_EQ(slurp(path), "new\nmore\n");
+}
+
+TEST(LineFile, IsReplacedByWhoeverHasItLockedWithoutATimeInWhichOthersGetIt) {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "lines").string();
+  spit(path, "old\n");
+  std::optional<LineFile> file(path);
+  EXPECT_THROW(write_text({path, {.overwrite = true}}, "new\n"), Busy);
+  do_before_call("renameat", 0, [&] { EXPECT_THROW(LineFile other(path), Busy); });
+  write_text({path, {.overwrite = true, .locked = true}}, "new\n");
+  let_all_succeed();
+  EXPECT_EQ(LineFile(path).text(), "new\n");
+  file.emplace(path);
+  EXPECT_EQ(file->text(), "new\n");
 }
 
 }  // namespace
