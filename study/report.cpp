@@ -160,10 +160,13 @@ std::string html_report(const Design& design, const Questionnaire& questions,
       "<h1>{0}</h1>\n",
       title, kStyle);
   if (const auto virtuals = std::ranges::count_if(people, &Person::is_virtual); virtuals > 0) {
+    const std::string who = people.size() == 1
+                                ? "The participant is virtual"
+                                : fmt::format("{} of these {} participants {} virtual", virtuals,
+                                              people.size(), virtuals == 1 ? "is" : "are");
     html += fmt::format(
-        "<p class=virtual>{} of these {} participants are virtual: nobody played "
-        "their sessions, and their answers are drawn from a model.</p>\n",
-        virtuals, people.size());
+        "<p class=virtual>{}: nobody played {}, and {} answers are drawn from a model.</p>\n", who,
+        virtuals == 1 ? "that session" : "their sessions", virtuals == 1 ? "its" : "their");
   }
   const auto counted = std::ranges::count_if(
       people, [&](const Person& one) { return why_not(design, questions, one).empty(); });

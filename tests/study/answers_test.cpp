@@ -256,8 +256,15 @@ TEST_F(DrawnAnswers, AReportSaysHowManyOfItsParticipantsAreVirtual) {
   for (Person& one : people) one.replaced_by = "p009";
   EXPECT_THAT(page(), HasSubstr("3 participants, 0 of whom count"));
   EXPECT_THAT(page(), HasSubstr(">2 of these 3 participants are virtual: "));
-  for (Person& one : people) one.answers.clear();
-  EXPECT_THAT(page(), testing::Not(HasSubstr("participants are virtual")));
+  people[1].answers.clear();
+  EXPECT_THAT(page(),
+              HasSubstr(">1 of these 3 participants is virtual: nobody played that session, "
+                        "and its answers are drawn from a model.<"));
+  people[2].answers.clear();
+  EXPECT_THAT(page(), testing::Not(HasSubstr("virtual: ")));
+  people = drawn(1, 3);
+  EXPECT_THAT(page(),
+              HasSubstr(">The participant is virtual: nobody played that session, and its "));
 }
 
 // The small picture has 10 units a metre and is 44 wide; its line is that of 6 m ahead.
