@@ -126,8 +126,8 @@ void AnswerFile::set_drawn_aside() {
   const fs::path aside = aside_for(path_, lines);
   if (!fs::exists(aside)) base::write_text({aside.string(), {}}, lines);
   base::write_text({path_.string(), {.overwrite = true, .locked = true}}, lines_of(id_, own));
-  say("{}: a person plays {}; {} drawn answers are kept in {}\n", path_.string(), id_, drawn.size(),
-      aside.string());
+  say("{}: a person answers for {}; {} drawn answers are kept in {}\n", path_.string(), id_,
+      drawn.size(), aside.string());
   open();
 }
 

@@ -21,7 +21,7 @@ void refuse_others(const study::Answers& there, const study::Answers& others,
 /// @throws std::invalid_argument  as study::parse_answers()
 study::Answers answers_of(const Study& study, const std::string& id);
 
-/// Whether a person has begun a session of the participant, whose answers are then a person's too.
+/// Whether a person plays the participant, as of_person(): then the answers are a person's too.
 bool plays_as_person(const Study& study, const std::string& id);
 
 /// Leaves those that a person gave.

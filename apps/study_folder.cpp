@@ -77,6 +77,52 @@ std::string not_planned(const Study& study, const study::PlannedParticipant& who
   return "its scenario cannot be read";
 }
 
+bool is_run(const fs::path& path) {
+  const std::string name = path.filename().string();
+  return name.starts_with("run-") && name.ends_with(".lcmlog");
+}
+
+/// Whether a folder has recordings. One that cannot be read may have some.
+bool has_runs(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) return false;
+  fs::directory_iterator entry(folder, error);
+  for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    if (is_run(entry->path())) return true;
+  }
+  return static_cast<bool>(error);
+}
+
+/// Whether a file has a line below its heading. One that cannot be read may have some.
+bool has_rows(const fs::path& file) try {
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return false;
+  const std::string text = read_study_file(file);
+  const std::size_t heading = text.find_first_of("\n\r");
+  return heading != std::string::npos &&
+         text.find_first_not_of("\n\r", heading) != std::string::npos;
+} catch (const std::runtime_error&) {
+  return true;
+}
+
+/// The newest of the regular files of a folder and its folders, as far as they can be read, and the given
+/// time.
+/// @param extension  of the files that count; empty for all
+fs::file_time_type newest(const fs::path& folder, std::string_view extension,
+                          fs::file_time_type last) {
+  std::error_code error;
+  fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied,
+                                         error);
+  for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+    std::error_code gone;
+    if (!extension.empty() && entry->path().extension() != extension) continue;
+    if (!entry->is_regular_file(gone)) continue;
+    const fs::file_time_type time = entry->last_write_time(gone);
+    if (!gone) last = std::max(last, time);
+  }
+  return last;
+}
+
 Run look_into(const Study& study, const study::PlannedParticipant& who, const fs::path& path) try {
   Run run{path.stem().string(), path};
   const scene::TrialFile file(path.string());
@@ -125,18 +171,19 @@ Study open_study(const std::string& folder) {
 std::set<std::string> names_with_data(const StudyFolder& at) {
   std::set<std::string> names;
   for (const fs::path& path : entries_of(at.root / "sessions")) {
-    names.insert(path.filename().string());
+    if (has_runs(path)) names.insert(path.filename().string());
   }
   for (const fs::path& path : entries_of(at.root / "answers")) {
-    if (path.extension() == ".csv") names.insert(path.stem().string());
+    if (path.extension() == ".csv" && has_rows(path)) names.insert(path.stem().string());
   }
+  std::erase_if(names,
+                [](const std::string& name) { return !study::wrong_with_name(name).empty(); });
   return names;
 }
 
 std::set<std::string> not_in_plan(const Study& study) {
   std::set<std::string> names = names_with_data(study.at);
   for (const study::PlannedParticipant& one : study.plan) names.erase(one.id);
-  std::erase_if(names, [](const std::string& name) { return name.starts_with('.'); });
   return names;
 }
 
@@ -152,14 +199,13 @@ fs::file_time_type last_change(const Study& study) {
       std::max(fs::last_write_time(study.at.plan()), fs::last_write_time(study.at.questionnaire()));
   for (const auto& [folder, extension] :
        {std::pair("answers", ".csv"), std::pair("sessions", ".lcmlog")}) {
-    if (!fs::exists(study.at.root / folder)) continue;
-    for (const auto& entry : fs::recursive_directory_iterator(study.at.root / folder)) {
-      if (entry.is_regular_file() && entry.path().extension() == extension) {
-        last = std::max(last, entry.last_write_time());
-      }
-    }
+    last = newest(study.at.root / folder, extension, last);
   }
   return last;
+}
+
+fs::file_time_type newest_of(const fs::path& folder) {
+  return newest(folder, {}, fs::file_time_type::min());
 }
 
 const study::PlannedParticipant& planned(const Study& study, const std::string& id) {
@@ -218,8 +264,7 @@ std::vector<Run> runs_of(const Study& study, const std::string& id) {
   const study::PlannedParticipant& who = planned(study, id);
   std::vector<fs::path> paths;
   for (const fs::path& path : entries_of(study.at.sessions(id))) {
-    const std::string name = path.filename().string();
-    if (name.starts_with("run-") && name.ends_with(".lcmlog")) paths.push_back(path);
+    if (is_run(path)) paths.push_back(path);
   }
   std::ranges::sort(paths, {}, [](const fs::path& path) {  // run-100 behind run-99
     const auto number = study::whole_in(path.stem().string().substr(4));
@@ -242,6 +287,7 @@ const Run* counting(const std::vector<Run>& runs) {
 }
 
 const Run* of_person(const std::vector<Run>& runs) {
+  if (const Run* const counts = counting(runs)) return counts->is_virtual ? nullptr : counts;
   const auto found =
       std::ranges::find_if(runs, [](const Run& run) { return run.begun && !run.is_virtual; });
   return found == runs.end() ? nullptr : &*found;

@@ -41,7 +41,7 @@ std::string read_study_file(const std::filesystem::path& path);
 /// @throws std::invalid_argument  for invalid content, naming file and line
 Study open_study(const std::string& folder);
 
-/// Names for which the study's folder has sessions or answers, of the plan or not.
+/// Names of participants of whom the study's folder has recordings or answers, of the plan or not.
 /// @throws std::filesystem::filesystem_error  for a folder that cannot be read
 std::set<std::string> names_with_data(const StudyFolder& at);
 
@@ -53,6 +53,9 @@ void say_not_in_plan(const Study& study);
 
 /// When plan, questionnaire, recordings or answers were changed last.
 std::filesystem::file_time_type last_change(const Study& study);
+
+/// When a file of a folder, or of a folder in it, was changed last; the earliest time if there is none.
+std::filesystem::file_time_type newest_of(const std::filesystem::path& folder);
 
 /// The row of the plan.
 /// @throws UsageError  for a name that is not in it
@@ -111,8 +114,8 @@ std::string why_not(const Run& run);
 /// The run that counts: the first complete one with both versions as planned; null if there is none.
 const Run* counting(const std::vector<Run>& runs);
 
-/// The first run that was begun and that no virtual participant played, complete or not; null if there is
-/// none.
+/// The run by which a participant is a person: the one that counts, or else the first that a person has begun.
+/// Null if there is none, or if a virtual participant played the one that counts.
 const Run* of_person(const std::vector<Run>& runs);
 
 /// Whether a run began with another version than the plan has.

@@ -115,14 +115,20 @@ void refuse_other_design(const Study& study, const PlanOptions& options) {
   }
 }
 
-/// Refuses to make a lost plan again without somebody who has played or answered: it would also forget
-/// who was replaced.
-void require_everybody(const Study& study) {
+/// Refuses to make a lost plan again without somebody who has played or answered, and says what of the lost
+/// one it cannot have.
+void check_made_again(const Study& study) {
+  if (names_with_data(study.at).empty()) return;
   const std::set<std::string> others = not_in_plan(study);
-  if (others.empty()) return;
+  if (others.empty()) {
+    return say(
+        "{}: is made again for the sessions or answers that are there; it does not have what a plan that was lost "
+        "had of replacements and changes by hand\n",
+        study.at.plan().string());
+  }
   throw std::runtime_error(fmt::format(
       "{}: has no participants, and {} has sessions or answers but would not be in a new plan of {}; "
-      "expected a copy of the plan that was lost, or --people with all of them",
+      "expected a copy of the plan that was lost",
       study.at.plan().string(), study::shown(*others.begin()), study.plan.size()));
 }
 
@@ -172,7 +178,7 @@ void plan_study(const PlanOptions& options) {
   } catch (const std::invalid_argument& error) {
     throw UsageError(fmt::format("{}: {}", at.plan().string(), error.what()));
   }
-  if (before == 0) require_everybody(study);
+  if (before == 0) check_made_again(study);
   if (study.plan.size() != before) {
     const study::CsvTable old =
         study::parse_csv(read_study_file(study.at.plan()), study.at.plan().string());

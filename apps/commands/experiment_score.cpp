@@ -66,7 +66,7 @@ void score(const ScoreOptions& options) {
     if (!why.empty()) not_counted.push_back({{"participant", person.planned.id}, {"why_not", why}});
     if (why.empty() && person.played.run.empty()) not_played.push_back(person.planned.id);
     if (study::is_in_other_order(person)) other_order.push_back(person.planned.id);
-    if (!person.played.replays) otherwise.push_back(person.planned.id);
+    if (why.empty() && !person.played.replays) otherwise.push_back(person.planned.id);
   }
   if (options.json) {
     return print_json({{"output", (study.at.root / "tables").string()},

@@ -30,7 +30,8 @@ struct HowFar {
   std::vector<Run> runs;
   std::size_t missing;  ///< number of missing answers
   std::string replaced_by;
-  bool drawn_for_person = false;  ///< there are drawn answers, which do not count: a person plays
+  bool drawn_for_person =
+      false;  ///< there are drawn answers, which do not count: a person has played
 };
 
 std::string played_in_words(const Study& study, const HowFar& one) {
@@ -63,15 +64,6 @@ std::vector<HowFar> steps_done(const Study& study) {
     all.push_back(std::move(far));
   }
   return all;
-}
-
-fs::file_time_type newest_of(const fs::path& folder) {
-  fs::file_time_type newest = fs::file_time_type::min();
-  if (!fs::exists(folder)) return newest;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file()) newest = std::max(newest, entry.last_write_time());
-  }
-  return newest;
 }
 
 /// The step that comes when all have played and answered; empty if its results are there, and newer

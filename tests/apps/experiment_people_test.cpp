@@ -32,6 +32,18 @@ class StudyPeople : public CommandLine {
     ASSERT_EQ(headpin("experiment run study --trial t.lcmlog --participant " + who).code, 0);
   }
 
+  /// Takes a form of each of them.
+  void answer(const std::vector<std::string>& names) const {
+    std::string forms =
+        "participant,presence1,presence2,presence3,presence4,presence5,presence6,"
+        "sick,noticed,vrbefore,sex,occupation\n";
+    for (const std::string& name : names) {
+      forms += name + ",6,7,5,1,6,4,2,yes,no,female,student\n";
+    }
+    spit(folder_ / "forms.csv", forms);
+    ASSERT_EQ(headpin("experiment ask study --from forms.csv").code, 0);
+  }
+
   /// Changes the run of a participant.
   void rewrite_run(const std::string& who, const std::function<void(scene::Trial&)>& change) const {
     const fs::path run = folder_ / "study/sessions" / who / "run-01.lcmlog";
@@ -109,7 +121,8 @@ TEST_F(StudyPeople, DrawnAnswersOfAPersonAreSetAsideForTheRealOnes) {
   EXPECT_EQ(nlohmann::json::parse(form.out)["new_answers"], 11);
   EXPECT_THAT(
       form.err,
-      HasSubstr("a person plays p001; 11 drawn answers are kept in study/answers/p001.drawn"));
+      HasSubstr(
+          "a person answers for p001; 11 drawn answers are kept in study/answers/p001.drawn"));
   EXPECT_EQ(slurp(folder_ / "study/answers/p001.drawn"), drawn);
   EXPECT_THAT(slurp(folder_ / "study/answers/p001.csv"), testing::Not(HasSubstr("drawn")));
   const Result asked = headpin("experiment ask study --participant p002");  // goes away at once
@@ -186,7 +199,6 @@ TEST_F(StudyPeople, SessionsThatAreSimulatedOtherwiseThanRecordedAreNamed) {
   plan(2);
   play("p001");
   play("p002");
-  EXPECT_TRUE(json("experiment score study --json")["simulated_otherwise"].empty());
   EXPECT_THAT(headpin("experiment score study").out,
               testing::Not(HasSubstr("simulated otherwise")));
   rewrite_run("p002", [](scene::Trial& trial) {
@@ -194,6 +206,9 @@ TEST_F(StudyPeople, SessionsThatAreSimulatedOtherwiseThanRecordedAreNamed) {
       if (event.kind == scene::kind::game_hash) event.detail = std::string("0123456789abcdef");
     }
   });
+  // Only of who counts: nobody has answered yet.
+  EXPECT_TRUE(json("experiment score study --json")["simulated_otherwise"].empty());
+  answer({"p001", "p002"});
   EXPECT_EQ(json("experiment score study --json")["simulated_otherwise"],
             nlohmann::json::array({"p002"}));
   EXPECT_THAT(headpin("experiment score study").out,
@@ -252,6 +267,76 @@ TEST_F(StudyPeople, ADeidentifiedExportHasNoNameOfAScenarioOfOnesOwn) {
   EXPECT_THAT(own, testing::Not(HasSubstr("alice")));
   EXPECT_THAT(own, HasSubstr("'skittle-part-1-mesh.obj'"));
   EXPECT_THAT(own, HasSubstr("'skittle-part-2-mesh.obj'"));
+}
+
+// With as many people as there were, nothing shows that one of them has replaced another.
+TEST_F(StudyPeople, APlanThatIsMadeAgainBesideSessionsSaysWhatItDoesNotHave) {
+  plan(2);
+  const std::string says = "study/plan.csv: is made again for the sessions or answers";
+  EXPECT_THAT(headpin("experiment plan -o study").err, testing::Not(HasSubstr(says)));
+  ASSERT_EQ(headpin("experiment plan -o study --replace p001").code, 0);
+  play("p003");
+  fs::remove(folder_ / "study/plan.csv");
+  EXPECT_THAT(headpin("experiment plan -o study --people 2").err,
+              testing::EndsWith("expected a copy of the plan that was lost\n"));
+  const Result again = headpin("experiment plan -o study --people 3");
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_THAT(again.err, HasSubstr(says));
+}
+
+TEST_F(StudyPeople, NotesAndEmptyFoldersAreNobodysSessionsOrAnswers) {
+  plan(1);
+  const fs::path sessions = folder_ / "study/sessions", answers = folder_ / "study/answers";
+  fs::create_directories(sessions / "p009");
+  fs::create_directories(answers / "p006.csv");
+  spit(sessions / "notes.txt", "the second day it rained\n");
+  spit(sessions / "p009/run-01.html", "a page");
+  spit(answers / "p007.csv", "participant,item,answer,source\n");  // as a form that was only opened
+  spit(answers / "my notes.csv", "day,weather\n2,rain\n");
+  EXPECT_EQ(headpin("experiment status study").err, "");
+  fs::remove(folder_ / "study/plan.csv");
+  const Result again = headpin("experiment plan -o study --people 1");
+  EXPECT_EQ(again.code, 0);
+  EXPECT_EQ(again.err, "");
+  spit(sessions / "p009/run-01.lcmlog", "");
+  spit(answers / "p007.csv", "participant,item,answer,source\np007,sick,5,asked\n");
+  EXPECT_EQ(headpin("experiment status study").err,
+            "study/plan.csv: p007 has sessions or answers but is not in the plan\n"
+            "study/plan.csv: p009 has sessions or answers but is not in the plan\n");
+}
+
+// A run that a person broke off, beside one of a virtual participant that counts.
+TEST_F(StudyPeople, TheRunThatCountsSaysWhetherAParticipantIsVirtual) {
+  plan(1);
+  play("p001");
+  const fs::path runs = folder_ / "study/sessions/p001";
+  const std::string persons = slurp(runs / "run-01.lcmlog");
+  fs::remove(runs / "run-01.lcmlog");
+  ASSERT_EQ(headpin("experiment run study --participant p001 --virtual").code, 0);
+  spit(runs / "run-02.lcmlog", persons.substr(0, persons.size() * 3 / 5));
+  const Result asked = headpin("experiment ask study --participant p001 --virtual");
+  EXPECT_EQ(asked.code, 0) << asked.err;
+  const nlohmann::json status = json("experiment status study --json")["participants"][0];
+  EXPECT_EQ(status["runs"], 2);
+  EXPECT_EQ(status["run"], "run-01");
+  EXPECT_EQ(status["answers"], 11);
+  const nlohmann::json scored = json("experiment score study --json");
+  EXPECT_EQ(scored["counted"], 1);
+  EXPECT_EQ(scored["of_virtual"], "yes");
+}
+
+TEST_F(StudyPeople, AFileThatCannotBeReachedDoesNotStopStatus) {
+  plan(1);
+  ASSERT_EQ(headpin("experiment run study --all --virtual").code, 0);
+  ASSERT_EQ(headpin("experiment ask study --all --virtual").code, 0);
+  ASSERT_EQ(headpin("experiment score study").code, 0);
+  for (const char* name : {"sessions/p001/loop.lcmlog", "tables/loop.csv"}) {
+    const fs::path path = folder_ / "study" / name;
+    fs::create_symlink(path.filename(), path);
+    const Result status = headpin("experiment status study");
+    EXPECT_EQ(status.code, 0) << status.err;
+    EXPECT_THAT(status.out, HasSubstr("next: headpin experiment analyse study\n"));
+  }
 }
 
 }  // namespace

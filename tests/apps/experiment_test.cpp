@@ -83,7 +83,8 @@ TEST_F(Experiment, ANewParticipantHasTheDataOfNobodyElse) {
   ASSERT_EQ(headpin("experiment plan -o a --seed 7 --people 2").code, 0);
   fs::create_directories(folder_ / "a/sessions/p003");
   fs::create_directories(folder_ / "a/answers");
-  std::ofstream(folder_ / "a/answers/p004.csv") << "participant,item,answer,source\n";
+  spit(folder_ / "a/sessions/p003/run-01.lcmlog", "");
+  spit(folder_ / "a/answers/p004.csv", "participant,item,answer,source\np004,sick,5,asked\n");
   ASSERT_EQ(headpin("experiment plan -o a --people 3").code, 0);
   ASSERT_EQ(headpin("experiment plan -o a --replace p001").code, 0);
   const std::string plan = slurp(folder_ / "a/plan.csv");
