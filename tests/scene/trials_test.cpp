@@ -9,6 +9,7 @@
 #include "scene/play/game_hash.h"
 #include "scene/play/run.h"
 #include "scene/play/session.h"
+#include "scene/record/events.h"
 #include "scene/watch/recorded.h"
 #include "tests/support/folder.h"
 
@@ -129,7 +130,7 @@ TEST(ATrialOfRules11, HasABallThatLandedBeforeItsReleaseIsKnownUnderRules12) {
               [&](const Session& s, const engine::State& ball) {
                 const double radius = s.scenario().ball.radius;
                 for (const Event& event : s.events) {
-                  if (event.kind == kind::release) left = event.p_W->z();
+                  if (event.kind == kind::release) left = event.p_W.z();
                 }
                 const double t = seconds(s.now()) - 3.97322;
                 if (left == 0.0 || t > 0.35) return;
