@@ -24,13 +24,13 @@ class OutputFile {
  public:
   struct Options {
     bool overwrite = false;  ///< replace an existing file; else it is refused
-    bool locked = false;  ///< the caller has locked the file that is replaced, until after commit()
     /// Has its final name from the start, so that a crash leaves it there.
     bool live = false;
     bool standard_output = false;  ///< `-` is allowed
     bool regular = false;          ///< accept only a regular file
     bool durable = true;           ///< commit() syncs the file, and then its name, to the disk
     std::vector<std::filesystem::path> inputs = {};  ///< never to be written to
+    bool locked = false;  ///< the caller has locked the file that is replaced, until after commit()
   };
 
   /// @throws Exists              naming the path: it is there, and not to be overwritten

@@ -335,25 +335,20 @@ TrialSummary sum_up(const LogContent& log) {
 
 TrialSummary summarise(const LogContent& log) {
   TrialSummary summary = sum_up(log);
-  const auto extend_to_end = [&summary] {
-    Time last = summary.end;
-    Summing::extend(summary.longest_gap, last, summary.session_end);
-  };
-  if (summary.disorder == Time{}) {
-    extend_to_end();
-    return summary;
+  if (summary.disorder != Time{}) {
+    Gap longest;  // of samples in order
+    Time last{};
+    TrialPlayer player(log, summary, {});
+    std::vector<devices::Sample> samples;
+    while (const std::optional<Time> time = player.next_time()) {
+      samples.clear();
+      player.poll(*time, samples);
+      Summing::extend(longest, last, *time);
+    }
+    summary.longest_gap = longest;
   }
-  Gap longest;  // of samples in order
-  Time last{};
-  TrialPlayer player(log, summary, {});
-  std::vector<devices::Sample> samples;
-  while (const std::optional<Time> time = player.next_time()) {
-    samples.clear();
-    player.poll(*time, samples);
-    Summing::extend(longest, last, *time);
-  }
-  summary.longest_gap = longest;
-  extend_to_end();
+  Time last = summary.end;
+  Summing::extend(summary.longest_gap, last, summary.session_end);
   return summary;
 }
 

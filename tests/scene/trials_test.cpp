@@ -56,11 +56,12 @@ TEST(ATrialOfBefore, ComesToTheHashesOfItsTime) {
 
 /// Calls f(session, state of the ball) at each tick of a trial that is replayed under other rules.
 template <typename F>
-void follow_ball(const std::string& path, std::int64_t rules, F&& f, const ReleaseChange& by = {}) {
+void follow_ball(const std::string& path, std::int64_t rules, F&& f,
+                 const std::optional<ReleaseChange>& by = {}) {
   const Recorded recorded = load_trial(path);
   Scenario scenario = recorded.scenario;
   scenario.collision.rules = rules;
-  scenario.release = by;
+  if (by) scenario.release = *by;
   Session session = make_session(scenario);
   const engine::BodyId ball = session.stage->balls.front();
   TrialPlayer source(recorded.file);
@@ -126,20 +127,21 @@ TEST(ATrialOfRules11, HasABallThatLandedBeforeItsReleaseIsKnownUnderRules12) {
   const std::string path = HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-11.lcmlog";
   double left = 0.0;  // z [m]
   int ticks = 0;
-  follow_ball(path, 12,
-              [&](const Session& s, const engine::State& ball) {
-                const double radius = s.scenario().ball.radius;
-                for (const Event& event : s.events) {
-                  if (event.kind == kind::release) left = event.p_W.z();
-                }
-                const double t = seconds(s.now()) - 3.97322;
-                if (left == 0.0 || t > 0.35) return;
-                ++ticks;
-                EXPECT_NEAR(left, radius + 0.03, 0.005);
-                EXPECT_NEAR(ball.X_WB.p.z(), radius, 0.002) << t;
-                EXPECT_NEAR(ball.v_WB.z(), 0.0, 0.05) << t;
-              },
-              {.speed = 0.05, .height = -0.435});
+  follow_ball(
+      path, 12,
+      [&](const Session& s, const engine::State& ball) {
+        const double radius = s.scenario().ball.radius;
+        for (const Event& event : s.events) {
+          if (event.kind == kind::release) left = event.p_W.z();
+        }
+        const double t = seconds(s.now()) - 3.97322;
+        if (left == 0.0 || t > 0.35) return;
+        ++ticks;
+        EXPECT_NEAR(left, radius + 0.03, 0.005);
+        EXPECT_NEAR(ball.X_WB.p.z(), radius, 0.002) << t;
+        EXPECT_NEAR(ball.v_WB.z(), 0.0, 0.05) << t;
+      },
+      ReleaseChange{.speed = 0.05, .height = -0.435});
   EXPECT_GT(ticks, 10);
 }
 
