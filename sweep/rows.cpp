@@ -105,7 +105,8 @@ std::vector<std::string> keys_of_conditions() {
 std::vector<std::size_t> order_of(const std::vector<std::string>& keys) {
   std::vector<std::size_t> order(keys.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_partition(order, [&](std::size_t i) { return keys[i] == "hmd.profile"; });
+  std::stable_partition(order.begin(), order.end(),
+                        [&](std::size_t i) { return keys[i] == "hmd.profile"; });
   return order;
 }
 

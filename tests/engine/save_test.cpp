@@ -149,7 +149,8 @@ TEST(SavedWorld, GoesOnToTheBitInAnotherProcess) {
       .write(reinterpret_cast<const char*>(bytes.data()),
              static_cast<std::streamsize>(bytes.size()));
   const std::string me = std::filesystem::read_symlink("/proc/self/exe").string();
-  ASSERT_EQ(std::system((std::string(kTold) + "='" + file.string() + "' '" + me +
+  const std::string alone = "env -u GTEST_TOTAL_SHARDS -u GTEST_SHARD_INDEX ";
+  ASSERT_EQ(std::system((alone + kTold + "='" + file.string() + "' '" + me +
                          "' --gtest_filter=SavedWorld.GoesOnToTheBitInAnotherProcess >'" +
                          file.string() + ".out'")
                             .c_str()),
