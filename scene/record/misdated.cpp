@@ -16,7 +16,11 @@ namespace {
 struct Clock {
   std::optional<devices::Device> device = {};  ///< nothing: the states
   std::size_t kind = 0;                        ///< of sample_times(); 0: device_time
-  auto operator<=>(const Clock&) const = default;
+
+  bool operator==(const Clock&) const = default;
+  bool operator<(const Clock& other) const {  // em++'s std::optional has no <=>
+    return device != other.device ? device < other.device : kind < other.kind;
+  }
 };
 
 /// A first or last value of a clock that jumps: only other clocks show whether it is wrong, or whether it is
