@@ -205,7 +205,7 @@ double fall_before_step(const Tick& tick, double flown) {
 
 /// A ball after a fall of `time` [s]. It lies on what is fixed, and does not bounce.
 engine::State fallen(const Tick& tick, engine::BodyId body, engine::State state, double time) {
-  constexpr double kMostPieces = 240.0;
+  constexpr double kMostPieces = 240.0;  // however late it is
   const Vec3& gravity = tick.world.parameters.gravity_W;
   const double pieces =
       std::clamp(std::ceil(time / engine::step_seconds(tick.world)), 1.0, kMostPieces);

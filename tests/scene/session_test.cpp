@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include <gmock/gmock.h>
@@ -395,34 +396,53 @@ TEST(ReleaseTimingTest, CountsTheWalkAndTheScenariosChangeOfTheSpeed) {
   EXPECT_NEAR(fastest_of(1.3, true), 1.3 * (own + walk), 1e-9);
 }
 
-// The hand lets go and touches the other version's button in one tick: the ball is the first
-// version's, and what it did is none of the second one.
-TEST(Versions, ABallThatIsLetGoAtTheButtonOfAnotherIsOfItsOwn) {
+/// Plays throws whose hand lets go and touches the other version's button in one tick.
+/// @param see  gets each and the event of the version that begins then
+void let_go_at_a_button(GameKind rules, double longest_s,
+                        const std::function<void(const Outcome&, const Event*)>& see) {
   Scenario scenario;
   scenario.version.buttons = true;
   scenario.version.radius = 0.02;
-  scenario.game.rules = GameKind::plain;
+  scenario.game.rules = rules;
   scenario.version.red.button = scenario.ball.home - scenario.hand.grip;
   const auto samples = straight_throw(scenario);
   int in_one_tick = 0;
   for (double ahead = 0.0; ahead < 0.1; ahead += 0.004) {
     scenario.version.blue.button = Vec3(0.0, ahead, 0.25) - scenario.hand.grip;
-    const Outcome found = play(scenario, samples, 2.0);
+    const Outcome found = play(scenario, samples, longest_s);
     const auto releases = of_kind(found, std::string(kind::release));
     const auto versions = of_kind(found, std::string(kind::version));
     if (releases.size() != 1 || versions.size() != 2) continue;
     if (releases[0]->tick != versions[1]->tick) continue;
     ++in_one_tick;
-    const auto counted = of_kind(found, std::string(kind::delivery));
-    ASSERT_EQ(counted.size(), 1u) << ahead;
-    EXPECT_GT(counted[0]->value, 0.0);
-    EXPECT_LT(counted[0], versions[1]) << "before the version began";
-    for (const Event* path : of_kind(found, std::string(kind::ball_path))) {
-      EXPECT_LT(path, versions[1]);
-    }
-    EXPECT_FALSE(found.session.game.thrown || found.session.game.watched);
+    SCOPED_TRACE(ahead);
+    see(found, versions[1]);
   }
   EXPECT_GT(in_one_tick, 0);
+}
+
+// The ball is the first version's, and what it did is none of the second one.
+TEST(Versions, ABallThatIsLetGoAtTheButtonOfAnotherIsOfItsOwn) {
+  let_go_at_a_button(GameKind::plain, 2.0, [](const Outcome& found, const Event* begins) {
+    const auto counted = of_kind(found, std::string(kind::delivery));
+    ASSERT_EQ(counted.size(), 1u);
+    EXPECT_GT(counted[0]->value, 0.0);
+    EXPECT_LT(counted[0], begins) << "before the version began";
+    for (const Event* path : of_kind(found, std::string(kind::ball_path))) {
+      EXPECT_LT(path, begins);
+    }
+    EXPECT_FALSE(found.session.game.thrown || found.session.game.watched);
+  });
+}
+
+// Where nothing is counted, its way ends with its version.
+TEST(Versions, ABallThatIsLetGoAtTheButtonOfAnotherHasAWayThatIsNotCounted) {
+  let_go_at_a_button(GameKind::one_throw, 1.0, [](const Outcome& found, const Event* begins) {
+    const auto paths = of_kind(found, std::string(kind::ball_path));
+    ASSERT_EQ(paths.size(), 1u);
+    EXPECT_LT(paths[0], begins) << "before the version began";
+    EXPECT_EQ(paths[0]->tick, begins->tick);
+  });
 }
 
 TEST(SetResponse, IsKeptByEveryVersionAndMakesNoHashes) {
@@ -459,31 +479,6 @@ TEST(SessionTest, TheRigSaysWhatIsWornWhere) {
   devices::ReplaySource source({on_one, on_four});
   advance(session, source);
   EXPECT_EQ(head_pose(session)->p, on_four.X_TS.p);
-}
-
-// Where nothing is counted, its way ends with its version.
-TEST(Versions, ABallThatIsLetGoAtTheButtonOfAnotherHasAWayThatIsNotCounted) {
-  Scenario scenario;
-  scenario.version.buttons = true;
-  scenario.version.radius = 0.02;
-  scenario.game.rules = GameKind::one_throw;
-  scenario.version.red.button = scenario.ball.home - scenario.hand.grip;
-  const auto samples = straight_throw(scenario);
-  int in_one_tick = 0;
-  for (double ahead = 0.0; ahead < 0.1; ahead += 0.004) {
-    scenario.version.blue.button = Vec3(0.0, ahead, 0.25) - scenario.hand.grip;
-    const Outcome found = play(scenario, samples, 1.0);
-    const auto releases = of_kind(found, std::string(kind::release));
-    const auto versions = of_kind(found, std::string(kind::version));
-    if (releases.size() != 1 || versions.size() != 2) continue;
-    if (releases[0]->tick != versions[1]->tick) continue;
-    ++in_one_tick;
-    const auto paths = of_kind(found, std::string(kind::ball_path));
-    ASSERT_EQ(paths.size(), 1u) << ahead;
-    EXPECT_LT(paths[0], versions[1]) << "before the version began";
-    EXPECT_EQ(paths[0]->tick, versions[1]->tick);
-  }
-  EXPECT_GT(in_one_tick, 0);
 }
 
 }  // namespace
