@@ -95,16 +95,24 @@ void GltfTrial::add_looks(const scene::Stage& stage) {
   true_skittle_ = mesh_of(looks.true_skittle);
   ellipsoid_skittle_ = mesh_of(looks.ellipsoid_skittle);
   ball_mesh_ = add_mesh(looks.ball.mesh, "ball");
-  drawn_centre_ = looks.skittle_centre;
+  drawn_ = looks.centres;
   skittles_ = stage.skittles.size();
-  for (const int hand : looks.hands) hand_meshes_.push_back(add_mesh(hand, "hand"));
+  hand_.name = "virtual hand";  // "hand" is the body that collides
+  for (const int hand : looks.hands) {
+    hand_meshes_.push_back(add_mesh(hand, "hand"));
+    hand_.reach = std::max(hand_.reach, render::reach_of(meshes[static_cast<std::size_t>(hand)]));
+  }
   const std::vector<std::string> names = scene::body_names(stage);
-  const auto add_body = [&](engine::BodyId body, double radius) {
-    bodies_.push_back({names[body], radius, {}});
+  const auto add_body = [&](engine::BodyId body, double reach) {
+    bodies_.push_back({names[body], reach, {}});
   };
-  for (const engine::BodyId body : stage.skittles) add_body(body, stage.scenario.skittle.height);
-  for (const engine::BodyId body : stage.balls) add_body(body, stage.scenario.ball.radius);
-  hand_ = {"virtual hand", 0.1, {}};  // "hand" is the body that collides
+  const double height = stage.scenario.skittle.height;
+  const double raised = std::abs(0.5 * height - stage.skittle_centre);  // at most, by a version
+  const double skittle = raised + std::max({height, render::reach_of(true_skittle_),
+                                            render::reach_of(ellipsoid_skittle_)});
+  for (const engine::BodyId body : stage.skittles) add_body(body, skittle);
+  const double ball = render::reach_of(mesh_of(looks.ball));
+  for (const engine::BodyId body : stage.balls) add_body(body, ball);
 }
 
 void GltfTrial::add_cameras(const render::Optics& optics) {
@@ -148,7 +156,7 @@ void GltfTrial::keep(const scene::Session& session) {
       bodies_[i++].X_WN.push_back(session.world.states[body].X_WB);
     }
   }
-  looks_.push_back(scene::skittle_look(*session.stage, drawn_centre_));
+  looks_.push_back(scene::skittle_look(*session.stage, drawn_));
   // An absent hand waits where it is first seen.
   if (const auto X_WH = scene::hand_pose(session)) {
     if (hand_.X_WN.empty()) hand_.X_WN.assign(times_.size() - 1, *X_WH);
@@ -198,14 +206,14 @@ void GltfTrial::animate(const Track& track, std::size_t node) {
     moves = moves || X.p != poses[0].p;
     rotates = rotates || X.q.coeffs() != poses[0].q.coeffs();
   }
-  const double tolerance = tolerance_ > 0.0 ? tolerance_ : -1.0;
+  const double tolerance = tolerance_ > 0.0 ? 0.5 * tolerance_ : -1.0;  // of place and turn, each
   const auto off = [&](std::size_t a, std::size_t b, std::size_t i) {
     const double s = share_of(a, b, i);
     return (poses[a].p + s * (poses[b].p - poses[a].p) - poses[i].p).norm();
   };
   const auto turned_off = [&](std::size_t a, std::size_t b, std::size_t i) {
     const Quat between = poses[a].q.slerp(share_of(a, b, i), poses[b].q);
-    return track.radius * between.angularDistance(poses[i].q);
+    return track.reach * between.angularDistance(poses[i].q);
   };
   if (moves) add_channel(node, "translation", kept_keys(poses.size(), tolerance, off), places);
   if (rotates) add_channel(node, "rotation", kept_keys(poses.size(), tolerance, turned_off), turns);

@@ -17,7 +17,7 @@ namespace headpin::apps {
 /// Poses of one node, one per tick.
 struct Track {
   std::string name;
-  double radius = 0.0;     ///< of the body: turns a rotation error into a distance [m]
+  double reach = 0.0;      ///< of its surface: turns a rotation error into a distance [m]
   std::vector<Pose> X_WN;  ///< the node in the world
 };
 
@@ -73,10 +73,10 @@ class GltfTrial : public scene::Observer {
   std::size_t ball_mesh_ = 0;
   render::Mesh true_skittle_, ellipsoid_skittle_;
   std::map<bool, std::size_t> skittle_meshes_;  ///< whether an ellipsoid: the mesh in the file
-  double drawn_centre_ = 0.0;                   ///< as Looks::skittle_centre
-  std::vector<scene::SkittleLook> looks_;       ///< of the skittles, one per tick
-  std::vector<std::size_t> hand_meshes_;        ///< from open to closed
-  std::vector<std::size_t> grips_;              ///< which of them is seen, one per tick
+  scene::DrawnCentres drawn_;
+  std::vector<scene::SkittleLook> looks_;  ///< of the skittles, one per tick
+  std::vector<std::size_t> hand_meshes_;   ///< from open to closed
+  std::vector<std::size_t> grips_;         ///< which of them is seen, one per tick
   Pose X_WD_;
   std::vector<scene::Event> events_;
   scene::OutsideEvents outside_;

@@ -109,6 +109,14 @@ inline bool rounds_loads(const Parameters& p) {
   return p.rules >= 11;
 }
 
+// Since rules 13: what turns fast on a floor, at a low rate or where it is small.
+
+/// What gravity alone presses together within a step is a lasting contact, also where that overlap is deep
+/// for the bodies. As an impact in each step it had next to no friction, and no rolling resistance.
+inline bool rests_under_gravity(const Parameters& p) {
+  return p.rules >= 13;
+}
+
 /// The query with what older rules lack switched off.
 inline Query query_under(const Parameters& p) {
   Query query = p.query;

@@ -138,13 +138,13 @@ void McapTrial::add_shapes(const scene::Session& session) {
   };
   true_skittle_ = mesh_of(looks.true_skittle);
   ellipsoid_skittle_ = mesh_of(looks.ellipsoid_skittle);
-  drawn_centre_ = looks.skittle_centre;
+  drawn_ = looks.centres;
   for (const int hand : looks.hands) hands_.push_back(shape_of(hand));
 }
 
 /// The skittles' shape when that is another one: a version may have its own.
 void McapTrial::add_skittles(const scene::Session& session) {
-  const scene::SkittleLook look = scene::skittle_look(*session.stage, drawn_centre_);
+  const scene::SkittleLook look = scene::skittle_look(*session.stage, drawn_);
   if (look == skittles_) return;
   skittles_ = look;
   ProtobufWriter shape;

@@ -72,7 +72,7 @@ class McapTrial : public scene::Observer, public scene::FrameSink {
   std::vector<Body> bodies_;
 
   render::Mesh true_skittle_, ellipsoid_skittle_;
-  double drawn_centre_ = 0.0;                   ///< as Looks::skittle_centre
+  scene::DrawnCentres drawn_;
   std::optional<scene::SkittleLook> skittles_;  ///< that was written last
   std::vector<ProtobufWriter> hands_;           ///< shapes of the hand, from open to closed
   std::optional<std::size_t> grip_;             ///< that was written last

@@ -1,4 +1,5 @@
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -94,6 +95,9 @@ py::array_t<EventRow> events_of_step(PyWorld& w) {
 }
 
 py::array_t<ContactRow> contacts(PyWorld& w, double margin) {
+  if (!(margin >= 0.0) || !std::isfinite(margin)) {
+    throw std::invalid_argument("margin: expected finite and 0 m or above");
+  }
   const World& world = w.get();
   std::vector<ContactRow> rows;
   std::vector<ContactPoint> points;
@@ -105,8 +109,10 @@ py::array_t<ContactRow> contacts(PyWorld& w, double margin) {
       const Compound &of_a = *world.bodies[a].shape, &of_b = *world.bodies[b].shape;
       points.clear();
       normals.assign(kept_normals(of_a, of_b), {});
-      find_contacts(of_a, world.states[a].X_WB, of_b, world.states[b].X_WB, margin, normals,
-                    world.parameters.query, counts, points);
+      Query query = world.parameters.query;  // as the step looks for them
+      if (world.bodies[a].exact || world.bodies[b].exact) query.mode = Query::converged;
+      find_contacts(of_a, world.states[a].X_WB, of_b, world.states[b].X_WB, margin, normals, query,
+                    counts, points);
       for (const ContactPoint& p : points) {
         rows.push_back({a, b, three(p.p_W), three(p.n_AB_W), p.depth});
       }

@@ -44,6 +44,14 @@ void append(Mesh& mesh, const Mesh& part, const Pose& X_GP) {
   for (const std::uint32_t i : part.indices) mesh.indices.push_back(first + i);
 }
 
+double reach_of(const Mesh& mesh) {
+  double reach = 0.0;
+  for (const Vertex& vertex : mesh.vertices) {
+    reach = std::max(reach, vertex.p.cast<double>().norm());
+  }
+  return reach;
+}
+
 void append_face(Mesh& mesh, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d,
                  const Vec3& colour) {
   const std::uint32_t i = size_of(mesh);

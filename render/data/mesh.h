@@ -45,6 +45,9 @@ struct Mesh {
 /// Adds the triangles of `part` at the pose X_GP.
 void append(Mesh& mesh, const Mesh& part, const Pose& X_GP = {});
 
+/// The distance of a mesh's farthest point from its origin [m].
+double reach_of(const Mesh& mesh);
+
 /// Adds a flat four-sided face: corners counter-clockwise seen from outside.
 void append_face(Mesh& mesh, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d,
                  const Vec3& colour);

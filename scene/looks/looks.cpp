@@ -145,7 +145,7 @@ void append_occluders(DrawList& list, const std::vector<Occluder>& of_body, cons
 }  // namespace
 
 Looks::Looks(const MeshKeeper& keeper, const Stage& stage)
-    : ball_radius(stage.scenario.ball.radius), skittle_centre(stage.skittle_centre) {
+    : ball_radius(stage.scenario.ball.radius), centres(drawn_centres(stage)) {
   const Scenario& scenario = stage.scenario;
   add_skittle(keeper, stage);
   if (const auto own = seen_mesh(scenario.ball.mesh, render::srgb(0x123a8c), 0.9)) {
@@ -217,18 +217,7 @@ std::size_t hand_at(double closed, std::size_t hands) {
   return static_cast<std::size_t>(std::lround(closed * static_cast<double>(hands - 1)));
 }
 
-namespace {
-
-/// The distance of a mesh's farthest point from its origin [m].
-double reach_of(const render::Mesh& mesh) {
-  double reach = 0.0;
-  for (const render::Vertex& vertex : mesh.vertices) {
-    reach = std::max(reach, vertex.p.cast<double>().norm());
-  }
-  return reach;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 /// Adds the objects that never move, and the light.
 void Looks::add_room(const MeshKeeper& keeper, const Scenario& scenario) {
@@ -248,7 +237,7 @@ void Looks::add_room(const MeshKeeper& keeper, const Scenario& scenario) {
   still(meshes.front, true);
   const std::optional<render::Mesh> own = seen_mesh(scenario.room.mesh, Vec3::Constant(0.5), 0.0);
   still(own ? *own : meshes.walls, false);
-  if (own) room_reach = reach_of(*own);
+  if (own) room_reach = render::reach_of(*own);
 
   room.lamps = room_lamps(measures);
   room.sky = room_ambient().sky;
@@ -336,12 +325,19 @@ void append_rings(DrawList& list, const Looks& looks, const Glimpse& g) {
 
 }  // namespace
 
-SkittleLook skittle_look(bool ellipsoid, double centre, double drawn_centre) {
-  return {ellipsoid, ellipsoid ? 0.0 : drawn_centre - centre};
+DrawnCentres drawn_centres(const Stage& stage) {
+  DrawnCentres centres{.true_skittle = stage.skittle_centre};
+  if (stage.scenario.collision.rules >= 13) centres.ellipsoid = 0.5 * stage.scenario.skittle.height;
+  return centres;
 }
 
-SkittleLook skittle_look(const Stage& stage, double drawn_centre) {
-  return skittle_look(shows_ellipsoids(stage.scenario), stage.skittle_centre, drawn_centre);
+SkittleLook skittle_look(bool ellipsoid, double centre, const DrawnCentres& drawn) {
+  const double mesh = ellipsoid ? drawn.ellipsoid.value_or(centre) : drawn.true_skittle;
+  return {ellipsoid, mesh - centre};
+}
+
+SkittleLook skittle_look(const Stage& stage, const DrawnCentres& drawn) {
+  return skittle_look(shows_ellipsoids(stage.scenario), stage.skittle_centre, drawn);
 }
 
 DrawList draw_list(const Looks& looks, const Glimpse& g) {
@@ -358,7 +354,7 @@ DrawList draw_list(const Looks& looks, const Glimpse& g) {
     list.items.push_back(item);
   };
   std::uint32_t skittle = kFirstSkittleId, ball = kFirstBallId;
-  const double raised = skittle_look(g.ellipsoids, g.skittle_centre, looks.skittle_centre).raised;
+  const double raised = skittle_look(g.ellipsoids, g.skittle_centre, looks.centres).raised;
   for (Pose X_WB : g.X_WB_skittles) {
     if (raised != 0.0) X_WB.p = X_WB * Vec3(0.0, 0.0, raised);
     add(g.ellipsoids ? looks.ellipsoid_skittle : looks.true_skittle, X_WB, skittle++);

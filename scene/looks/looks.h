@@ -61,6 +61,16 @@ struct BoardLooks {
 /// @param hands   how many there are
 std::size_t hand_at(double closed, std::size_t hands);
 
+/// Heights of the origins of a skittle's meshes above its base [m].
+struct DrawnCentres {
+  double true_skittle = 0.0;
+  /// None: that of the body. So an ellipsoid that is weighed as the true skittle was drawn too low
+  /// under rules 1 to 12, and who looks at such a trial sees what was seen then.
+  std::optional<double> ellipsoid = {};
+};
+
+DrawnCentres drawn_centres(const Stage& stage);
+
 /// All visible objects of a stage, and their light.
 struct Looks {
   /// Adds all meshes to the keeper.
@@ -76,7 +86,8 @@ struct Looks {
   std::vector<int> hands;  ///< from open to closed around the ball
   render::DrawList room;   ///< the parts that do not move, with light, patches and shadow box
   std::vector<render::Occluder> true_occluders, ellipsoid_occluders;  ///< of a skittle, p_BQ
-  double ball_radius, skittle_centre;  ///< the latter of the stage's skittles
+  double ball_radius;
+  DrawnCentres centres;     ///< of skittle meshes
   double room_reach = 0.0;  ///< of the room's own mesh from the world's origin [m]; 0 without one
 
  private:
@@ -96,10 +107,9 @@ struct SkittleLook {
   bool operator==(const SkittleLook&) const = default;
 };
 
-/// @param centre        height of the body's origin above the skittle's base now [m]
-/// @param drawn_centre  that of the mesh: Looks::skittle_centre
-SkittleLook skittle_look(bool ellipsoid, double centre, double drawn_centre);
-SkittleLook skittle_look(const Stage& stage, double drawn_centre);
+/// @param centre  height of the body's origin above the skittle's base now [m]
+SkittleLook skittle_look(bool ellipsoid, double centre, const DrawnCentres& drawn);
+SkittleLook skittle_look(const Stage& stage, const DrawnCentres& drawn);
 
 /// What a glimpse shows. The head is drawn for another camera alone: an eye is in it.
 render::DrawList draw_list(const Looks& looks, const Glimpse& glimpse);

@@ -73,7 +73,7 @@ void GivenSamples::poll(Time, std::vector<devices::Sample>& out) {
 
 PageSession::PageSession(std::string_view scenario, const Options& options)
     : session_(begun(scenario, options)),
-      drawn_centre_(session_.stage->skittle_centre),
+      drawn_(drawn_centres(*session_.stage)),
       samples_({&given_}) {
   TrialHeader header;
   header.participant = options.participant;
@@ -135,7 +135,7 @@ void PageSession::see(std::vector<float>& out) const {
   append(session_.player.walk.X_WP(), out);
   append(g.X_WH.value_or(Pose{}), out);
   append(g.X_WD, out);
-  const double raised = skittle_look(g.ellipsoids, g.skittle_centre, drawn_centre_).raised;
+  const double raised = skittle_look(g.ellipsoids, g.skittle_centre, drawn_).raised;
   for (const Pose& X_WB : g.X_WB_skittles) {
     append({X_WB.q, X_WB * Vec3(0.0, 0.0, raised)}, out);
   }

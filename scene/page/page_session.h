@@ -85,7 +85,7 @@ class PageSession {
 
  private:
   Session session_;
-  double drawn_centre_;  ///< of a skittle above its base, in its mesh [m]
+  DrawnCentres drawn_;
   std::vector<std::uint8_t> log_;
   std::optional<TrialWriter> writer_;
   GivenSamples given_;

@@ -35,6 +35,49 @@ struct ReadGlb {
     const auto begin = json["bufferViews"][view]["byteOffset"].get<std::size_t>();
     return number<float>(binary + begin + 4 * i);
   }
+  /// The sampler of a moving node.
+  /// @param path  translation or rotation
+  const nlohmann::json& sampler(const std::string& name, const std::string& path) const {
+    static const nlohmann::json kNone;
+    for (const nlohmann::json& channel : json["animations"][0]["channels"]) {
+      const nlohmann::json& target = channel["target"];
+      if (json["nodes"][target["node"].get<std::size_t>()]["name"] != name) continue;
+      if (target["path"] == path) {
+        return json["animations"][0]["samplers"][channel["sampler"].get<std::size_t>()];
+      }
+    }
+    ADD_FAILURE() << name << " has no " << path;
+    return kNone;
+  }
+  std::size_t count(const nlohmann::json& accessor) const {
+    return json["accessors"][accessor.get<std::size_t>()]["count"];
+  }
+  /// How a node is turned at a time, between its keys on the shortest way.
+  Quat turn(const std::string& name, double time) const {
+    const nlohmann::json& of = sampler(name, "rotation");
+    std::size_t next = 1;
+    while (next + 1 < count(of["input"]) && value(of["input"], next) < time - 1e-6) ++next;
+    const double from = value(of["input"], next - 1);
+    const double s = (time - from) / (value(of["input"], next) - from);
+    const auto key = [&](std::size_t i) {
+      return Quat(value(of["output"], 4 * i + 3), value(of["output"], 4 * i),
+                  value(of["output"], 4 * i + 1), value(of["output"], 4 * i + 2));
+    };
+    return key(next - 1).slerp(s, key(next)).normalized();
+  }
+  /// The distance of the farthest point of the meshes of this name from their origin [m].
+  double reach(const std::string& name) const {
+    double most = 0.0;
+    for (const nlohmann::json& mesh : json["meshes"]) {
+      if (mesh["name"] != name) continue;
+      const nlohmann::json& points = mesh["primitives"][0]["attributes"]["POSITION"];
+      for (std::size_t i = 0; i < count(points); ++i) {
+        const Vec3 p(value(points, 3 * i), value(points, 3 * i + 1), value(points, 3 * i + 2));
+        most = std::max(most, p.norm());
+      }
+    }
+    return most;
+  }
   /// The place of a moving node at a time, between its keys on a line.
   Vec3 place(const std::string& name, double time) const {
     for (const nlohmann::json& channel : json["animations"][0]["channels"]) {
@@ -94,6 +137,27 @@ TEST_F(Gltf, TheBallIsWhereTheTableOfStatesHasIt) {
   std::set<std::string> names;
   for (const nlohmann::json& node : all.json["nodes"]) names.insert(node["name"]);
   EXPECT_EQ(names.size(), all.json["nodes"].size());
+}
+
+// The forearm that is drawn with the hand reaches 0.33 m and more.
+TEST_F(Gltf, NoPointOfTheHandIsFartherOffThanTheTolerance) {
+  ASSERT_EQ(headpin("export " + kDemo + " --gltf all.glb").code, 0);
+  ASSERT_EQ(headpin("export " + kDemo + " --gltf thin.glb --tolerance 1mm").code, 0);
+  const ReadGlb all(slurp(folder_ / "all.glb")), thin(slurp(folder_ / "thin.glb"));
+  const double reach = all.reach("hand");
+  ASSERT_GT(reach, 0.3);
+  const nlohmann::json times = all.sampler("virtual hand", "rotation")["input"];
+  double most = 0.0;
+  for (std::size_t i = 1; i + 1 < all.count(times); i += 7) {
+    const double time = all.value(times, i);
+    const double moved =
+        (thin.place("virtual hand", time) - all.place("virtual hand", time)).norm();
+    const double turned =
+        thin.turn("virtual hand", time).angularDistance(all.turn("virtual hand", time));
+    most = std::max(most, moved + reach * turned);
+  }
+  EXPECT_LE(most, 1.01e-3);
+  EXPECT_GT(most, 1e-4);
 }
 
 TEST_F(Gltf, ATrialThatWasCutIsWrittenAsFarAsItGoesAndSaidToBeIncomplete) {

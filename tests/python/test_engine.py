@@ -119,6 +119,23 @@ class World(unittest.TestCase):
         world.step(480)
         np.testing.assert_allclose(world.states[number]["velocity"], [-3, 0, 0], atol=0.01)
 
+    def test_contacts_of_an_exact_body_are_exact_under_the_papers_detection(self):
+        world = engine.World(detection="paper")
+        corners = [[5 if i & 1 else -5, 5 if i & 2 else -5, 0.5 if i & 4 else -0.5] for i in range(8)]
+        faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+        world.add(engine.Body(engine.Polyhedron(corners, faces), kind="fixed", exact=True), [0, 0, -0.5])
+        number = world.add(engine.Body(engine.Ellipsoid([0.1] * 3), mass=5), [1.3, 0.7, 0.105])
+        self.assertEqual(len(world.contacts(margin=1e-3)), 0)
+        (apart,) = world.contacts(margin=0.01)
+        self.assertAlmostEqual(apart["depth"], -0.005, delta=1e-9)
+        world.set_state(number, [1.3, 0.7, 0.099])
+        (inside,) = world.contacts()
+        self.assertAlmostEqual(inside["depth"], 0.001, delta=1e-9)
+        np.testing.assert_allclose(inside["position"], [1.3, 0.7, -0.0005], atol=1e-3)
+        for margin in (float("nan"), -1.0, float("inf")):
+            with self.assertRaises(ValueError):
+                world.contacts(margin=margin)
+
     def test_states_have_what_was_set(self):
         world = engine.World(gravity=[0, 0, 0])
         number = world.add(ball(kind="driven"), [1, 2, 3])

@@ -30,7 +30,7 @@ TEST(Looks, ShowFacesWhoseFirstCornersAreInALine) {
   const Looks looks(keeper, make_stage(scenario));
   const render::Mesh& seen = meshes[static_cast<std::size_t>(looks.true_skittle.mesh)];
   ASSERT_EQ(seen.vertices.size(), 30u);
-  const Vec3 middle(0.0, 0.0, 0.15 - looks.skittle_centre);
+  const Vec3 middle(0.0, 0.0, 0.15 - looks.centres.true_skittle);
   for (const render::Vertex& v : seen.vertices) {
     const Vec3 n = v.n.cast<double>();
     EXPECT_NEAR(n.cwiseAbs().maxCoeff(), 1.0, 1e-6) << n.transpose();
