@@ -94,7 +94,8 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"deepest_overlap_m", "deepest overlap of two bodies at any time"},
     {"degrees_of_freedom", "degrees of freedom of a fitted model"},
     {"detail", "further text of an event"},
-    {"detection", "collision detection: `converged` or `paper`"},
+    {"detection",
+     "collision detection: `converged` or `paper`; null if the versions of a game differ"},
     {"deviance",
      "deviance of a fitted model: minus twice the log of its likelihood ratio to the saturated "
      "model"},
@@ -201,6 +202,8 @@ constexpr auto kKeys = std::to_array<JsonKey>({
      "whether the session that counts began with another version than planned; null if there is none"},
     {"inertia_kgm2",
      "moments of inertia of an upright skittle about its centre of mass, along x, y and z [kg m^2]"},
+    {"iterations",
+     "cap on the iterations of a query of paper detection; null if the versions of a game differ"},
     {"kept_pace", "whether a live session kept up with real time"},
     {"key", "key of a scenario"},
     {"kind", "kind of an event, or of a fault in a recording"},
@@ -435,8 +438,8 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"verified_ticks", "ticks that are equal to the recording"},
     {"version", "version of the program that wrote the trial"},
     {"versions",
-     "the red and the blue version of a game: elasticity, friction and shape of each; null without "
-     "versions"},
+     "the red and the blue version of a game: elasticity, friction, shape, detection and iterations "
+     "of each; null without versions"},
     {"video", "video that was written; null without one"},
     {"virtual", "true if no person played the session"},
     {"waited_s", "stage of the latency: until the tick at which a frame is due"},

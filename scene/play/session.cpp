@@ -138,6 +138,7 @@ Session make_session(std::shared_ptr<const Stage> stage) {
   if (v.buttons) {
     s.versions = {std::make_shared<const Stage>(make_stage(under(s.stage->scenario, v.red))),
                   std::make_shared<const Stage>(make_stage(under(s.stage->scenario, v.blue)))};
+    s.unbegun = s.stage;
   }
   s.world = s.stage->world;
   s.state_hash = engine::state_hash(s.world);

@@ -24,6 +24,7 @@ struct Session {
   Tracking tracking;                                     ///< whether head and hand are seen
   Presence presence;                                     ///< bodies that fly at the player
   std::array<std::shared_ptr<const Stage>, 2> versions;  ///< red, blue; where there are buttons
+  std::shared_ptr<const Stage> unbegun;  ///< before either of them; where there are buttons
   /// True after the hand has touched a button.
   bool version_begun = false;
   /// The version that is played: 0 none, 1 red, 2 blue.
@@ -41,7 +42,10 @@ struct Session {
   std::vector<devices::Sample> samples;
   std::vector<Event> events;
 
+  /// That of the version that is played.
   const Scenario& scenario() const { return stage->scenario; }
+  /// That of the whole trial, which its versions are made of.
+  const Scenario& trial_scenario() const { return (unbegun ? unbegun : stage)->scenario; }
   Time now() const { return tick_time(tick, scenario().rates.physics_hz); }
   Time next_tick() const { return tick_time(tick + 1, scenario().rates.physics_hz); }
 };

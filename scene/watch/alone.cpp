@@ -76,6 +76,7 @@ Session on_its_own(Session session, const std::shared_ptr<const Stage>& stage) {
   }
   session.stage = stage;
   session.versions = {};
+  session.unbegun = nullptr;
   return session;
 }
 

@@ -91,6 +91,7 @@ Session under_from_now_on(Session session, const Scenario& own, const Scenario& 
   check_spots(*session.stage, *stage);
   Session moved = on_its_own(std::move(session), stage);
   moved.versions = begun.versions;
+  moved.unbegun = begun.unbegun;
   return moved;
 }
 

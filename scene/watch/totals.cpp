@@ -113,7 +113,9 @@ nlohmann::json conditions(const Scenario& scenario) {
   const auto of = [](const Scenario& one) -> nlohmann::json {
     return {{"elasticity", per_object(one.material, &Coefficients::elasticity)},
             {"friction", per_object(one.material, &Coefficients::friction)},
-            {"shape", name_of(one.collision.shape)}};
+            {"shape", name_of(one.collision.shape)},
+            {"detection", name_of(one.collision.detection)},
+            {"iterations", one.collision.iterations}};
   };
   const Versions& versions = scenario.version;
   nlohmann::json all = of(versions.buttons ? under(scenario, versions.red) : scenario);
@@ -178,14 +180,12 @@ nlohmann::json to_json(const std::vector<ThrowRow>& throws) {
 }
 
 nlohmann::json summary(const Session& s, const Score& score) {
-  const Scenario& scenario = s.scenario();
   const auto hash = [&](std::uint64_t value) {
     return s.hashes ? nlohmann::json(in_hex(value)) : nlohmann::json();
   };
-  nlohmann::json all = conditions(scenario);
+  nlohmann::json all = conditions(s.trial_scenario());
   all.update({{"version", devices::software_version()},
               {"response", s.world.parameters.response},
-              {"detection", name_of(scenario.collision.detection)},
               {"skittles", s.stage->skittles.size()},
               {"skittles_down", score.skittles_down},
               {"felled_by_hand", score.felled_by_hand},

@@ -56,8 +56,10 @@ PhaseEnergies energies_of(const engine::Ledger& ledger);
 /// Score sheets.
 nlohmann::json to_json(const std::vector<Sheet>& games);
 
-/// Elasticity, friction and shape of a session. With versions, "versions" has those of each, and
-/// values that differ are null.
+/// Elasticity, friction, shape, detection and iterations of a session. With versions, "versions" has
+/// those of each, and values that differ are null.
+///
+/// @param scenario  of the whole trial, not of one of its versions
 nlohmann::json conditions(const Scenario& scenario);
 
 /// The keys whose values differ, and both values.

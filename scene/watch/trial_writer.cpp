@@ -13,7 +13,7 @@ constexpr std::int64_t kSnapshotSeconds = 10;  // between two
 }  // namespace
 
 TrialHeader header_of(TrialHeader header, const Session& session) {
-  header.scenario = to_toml(session.scenario());
+  header.scenario = to_toml(session.trial_scenario());
   header.body_names = body_names(*session.stage);
   return header;
 }

@@ -25,7 +25,7 @@ function inCondition(value, digits) {
   return typeof value === 'object' ? perObject(value, digits) : value;
 }
 
-/** Elasticity, friction or shape: of each version where they differ in it. */
+/** Elasticity, friction, shape or detection: of each version where they differ in it. */
 export function conditionInWords(summary, key, digits) {
   if (summary[key] !== null) return inCondition(summary[key], digits);
   return Object.entries(summary.versions).map(([name, version]) =>
@@ -35,7 +35,9 @@ export function conditionInWords(summary, key, digits) {
 /** Of a version, all of its condition. */
 export function versionInWords(summary, name) {
   const version = summary.versions?.[name];
-  return version ? `elasticity ${inCondition(version.elasticity)}, friction ${inCondition(version.friction)}, shape ${version.shape}` : '';
+  if (!version) return '';
+  const detection = summary.detection === null ? `, detection ${version.detection}` : '';
+  return `elasticity ${inCondition(version.elasticity)}, friction ${inCondition(version.friction)}, shape ${version.shape}${detection}`;
 }
 
 /** Energy that is gone [J]; sums of doubles leave some 1e-13 of nothing. */

@@ -203,3 +203,11 @@ test('pairs of events of two trials keep their order, also where very many are a
   assert.equal(rows.length, 20_000);
   assert.equal(rows.filter(({ a, b }) => a && b).length, 19_999);
 });
+
+test('of two versions that differ in detection each is told', () => {
+  const version = (detection) => ({ elasticity: each(0.7), friction: each(0.7), shape: 'true', detection });
+  const s = whole({ detection: null, versions: { blue: version('paper'), red: version('converged') } });
+  const told = new Map(resultRows([s]).map(([name, [words]]) => [name, words]));
+  assert.equal(told.get('Detection'), 'blue paper; red converged');
+  assert.equal(versionInWords(s, 'red'), 'elasticity 0.7 each, friction 0.7 each, shape true, detection converged');
+});
