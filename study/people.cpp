@@ -21,10 +21,6 @@ std::string yes_no(bool yes) {
   return yes ? "yes" : "no";
 }
 
-bool any_drawn(const Answers& answers) {
-  return std::ranges::any_of(answers, [](const Answer& one) { return one.source == kDrawn; });
-}
-
 /// Whether the changed version was played first; nothing if none was played.
 std::optional<bool> played_changed_first(const Person& p) {
   const auto& order = p.played.measures.order;
@@ -173,7 +169,11 @@ std::vector<Filled> columns_of(const Design& design, const Questionnaire& questi
 }  // namespace
 
 bool Person::is_virtual() const {
-  return played.run.empty() ? played.is_virtual || any_drawn(answers) : played.is_virtual;
+  return played.run.empty() ? played.is_virtual || has_drawn_answers() : played.is_virtual;
+}
+
+bool Person::has_drawn_answers() const {
+  return std::ranges::any_of(answers, [](const Answer& one) { return one.source == kDrawn; });
 }
 
 bool is_in_other_order(const Person& person) {
@@ -187,7 +187,7 @@ std::string why_not(const Design& design, const Questionnaire& questions, const 
   const bool played_in_vain = person.played.run.empty() && person.played.runs > 0;
   if (played_in_vain) return "no session that counts: " + person.played.why_not;
   if (person.played.run.empty() && !drawn) return "no session that counts";
-  if (!person.is_virtual() && any_drawn(person.answers)) {
+  if (!person.is_virtual() && person.has_drawn_answers()) {
     return "a person's session with drawn answers";
   }
   if (!missing(questions, person.answers).empty()) return "questions not answered";

@@ -34,6 +34,8 @@ struct Person {
 
   /// A virtual participant played the session that counts, or nobody did, and an answer was drawn.
   bool is_virtual() const;
+  /// An answer was drawn from a model.
+  bool has_drawn_answers() const;
 };
 
 /// Whether a session was played in another order than the plan has. It counts all the same.

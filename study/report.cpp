@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "study/paper_tables.h"
 
@@ -138,6 +139,27 @@ std::string picture_of(const std::string& svg) {
   return fmt::format("<img alt=\"\" src=\"data:image/svg+xml,{}\">", data);
 }
 
+/// How many sessions nobody played, and how many participants did not answer themselves.
+std::string not_of_people(const std::vector<Person>& people) {
+  const auto virtuals = std::ranges::count_if(people, &Person::is_virtual),
+             drawn = std::ranges::count_if(people, &Person::has_drawn_answers);
+  std::vector<std::string> sentences;
+  if (virtuals > 0) {
+    const std::string who = people.size() == 1
+                                ? "The participant is virtual"
+                                : fmt::format("{} of these {} participants {} virtual", virtuals,
+                                              people.size(), virtuals == 1 ? "is" : "are");
+    sentences.push_back(fmt::format("{}: nobody played {}.", who,
+                                    virtuals == 1 ? "that session" : "their sessions"));
+  }
+  if (drawn > 0) {
+    sentences.push_back(fmt::format("The answers of {} participant{} are drawn from a model.",
+                                    drawn, drawn == 1 ? "" : "s"));
+  }
+  if (sentences.empty()) return {};
+  return fmt::format("<p class=virtual>{}</p>\n", fmt::join(sentences, " "));
+}
+
 }  // namespace
 
 std::string escaped(const std::string& text) {
@@ -159,15 +181,7 @@ std::string html_report(const Design& design, const Questionnaire& questions,
       "<!doctype html>\n<html lang=en><meta charset=utf-8><title>{0}</title>\n<style>{1}</style>\n"
       "<h1>{0}</h1>\n",
       title, kStyle);
-  if (const auto virtuals = std::ranges::count_if(people, &Person::is_virtual); virtuals > 0) {
-    const std::string who = people.size() == 1
-                                ? "The participant is virtual"
-                                : fmt::format("{} of these {} participants {} virtual", virtuals,
-                                              people.size(), virtuals == 1 ? "is" : "are");
-    html += fmt::format(
-        "<p class=virtual>{}: nobody played {}, and {} answers are drawn from a model.</p>\n", who,
-        virtuals == 1 ? "that session" : "their sessions", virtuals == 1 ? "its" : "their");
-  }
+  html += not_of_people(people);
   const auto counted = std::ranges::count_if(
       people, [&](const Person& one) { return why_not(design, questions, one).empty(); });
   html += fmt::format("<p>{} participants, {} of whom count.</p>\n<h2>Design</h2>\n", people.size(),

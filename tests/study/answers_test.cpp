@@ -258,13 +258,12 @@ TEST_F(DrawnAnswers, AReportSaysHowManyOfItsParticipantsAreVirtual) {
   EXPECT_THAT(page(), HasSubstr(">2 of these 3 participants are virtual: "));
   people[1].answers.clear();
   EXPECT_THAT(page(),
-              HasSubstr(">1 of these 3 participants is virtual: nobody played that session, "
-                        "and its answers are drawn from a model.<"));
+              HasSubstr(">1 of these 3 participants is virtual: nobody played that session. "
+                        "The answers of 1 participant are drawn from a model.<"));
   people[2].answers.clear();
   EXPECT_THAT(page(), testing::Not(HasSubstr("virtual: ")));
   people = drawn(1, 3);
-  EXPECT_THAT(page(),
-              HasSubstr(">The participant is virtual: nobody played that session, and its "));
+  EXPECT_THAT(page(), HasSubstr(">The participant is virtual: nobody played that session. The "));
 }
 
 // The small picture has 10 units a metre and is 44 wide; its line is that of 6 m ahead.
@@ -283,6 +282,29 @@ TEST_F(DrawnAnswers, LinesOfThrowsEndAtTheEdgeOfTheirPictures) {
   EXPECT_EQ(line_of(Vec3(5.0, 5.0, 0.0)), "<line x1='24.0' y1='80.0' x2='44.0' y2='60.0'");
   EXPECT_EQ(line_of(Vec3(-5.0, 5.0, 0.0)), "<line x1='24.0' y1='80.0' x2='0.0' y2='56.0'");
   EXPECT_EQ(line_of(Vec3(0.0, 5.0, 0.0)), "<line x1='24.0' y1='80.0' x2='24.0' y2='20.0'");
+}
+
+// A virtual participant's session may have the answers of a form, and a person's drawn ones.
+TEST_F(DrawnAnswers, AReportSaysApartWhoDidNotPlayAndWhoDidNotAnswer) {
+  std::vector<Person> people = drawn(3, 3);
+  const auto page = [&] { return html_report(design_, questions_, people, {}); };
+  for (Person& one : people) {
+    one.played.run = "run-01";
+    one.played.is_virtual = true;
+    for (Answer& answer : one.answers) answer.source = kForm;
+  }
+  EXPECT_THAT(page(), HasSubstr(">3 of these 3 participants are virtual: nobody played their "
+                                "sessions.<"));
+  EXPECT_THAT(page(), testing::Not(HasSubstr("drawn from a model")));
+  people[0].answers.back().source = kDrawn;
+  people[1].played.is_virtual = false;
+  people[1].answers.back().source = kDrawn;
+  EXPECT_THAT(page(),
+              HasSubstr(">2 of these 3 participants are virtual: nobody played their "
+                        "sessions. The answers of 2 participants are drawn from a model.<"));
+  for (Person& one : people) one.played.is_virtual = false;
+  EXPECT_THAT(page(), HasSubstr("<p class=virtual>The answers of 2 participants are drawn"));
+  EXPECT_THAT(page(), testing::Not(HasSubstr("nobody played")));
 }
 
 }  // namespace
