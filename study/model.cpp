@@ -125,6 +125,11 @@ double published_probability(const Design& design, const std::vector<double>& va
   return 1.0 / (1.0 + std::exp(-eta));
 }
 
+bool has_published_model(const Design& design) {
+  return !design.terms.empty() &&
+         std::ranges::all_of(design.terms, [](const Term& term) { return !!term.estimate; });
+}
+
 Answers draw_answers(const Design& design, const Questionnaire& questions, std::uint64_t seed,
                      const PlannedParticipant& participant) {
   if (design.terms.empty()) {

@@ -28,6 +28,9 @@ double published_estimate(const Design& design, std::size_t term);
 /// @throws std::invalid_argument  where a term has no published estimate
 double published_probability(const Design& design, const std::vector<double>& values);
 
+/// Whether answers can be drawn: the design has terms, each with a published estimate.
+bool has_published_model(const Design& design);
+
 /// Draws all answers of a virtual participant.
 ///
 /// Answers with published counts are drawn without replacement from those counts, so the same

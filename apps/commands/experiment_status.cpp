@@ -12,6 +12,7 @@
 #include "apps/study_folder.h"
 #include "apps/study_people.h"
 #include "base/shell_word.h"
+#include "study/model.h"
 
 namespace headpin::apps {
 
@@ -78,13 +79,14 @@ std::string next_step(const Study& study) {
 /// The next command for the user; empty if all is done.
 std::string next_command(const Study& study, const std::vector<HowFar>& all) {
   const std::string folder = base::typed_word(study.at.root.string());
+  const bool draws = study::has_published_model(study.design);
   for (const HowFar& one : all) {
     if (!one.replaced_by.empty()) continue;
     const Run* run = counting(one.runs);
     if (run && one.missing == 0) continue;
     if (run) {
       return fmt::format("headpin experiment ask {} --participant {}{}", folder, one.planned->id,
-                         run->is_virtual ? " --virtual" : "");
+                         run->is_virtual && draws ? " --virtual" : "");
     }
     return fmt::format("headpin experiment run {} --participant {} SOURCE", folder,
                        one.planned->id);

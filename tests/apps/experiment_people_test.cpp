@@ -1,6 +1,7 @@
 // Who of a study is a person: names that stay inside, answers, and what is not in the plan.
 
 #include <chrono>
+#include <regex>
 
 #include <fmt/format.h>
 
@@ -337,6 +338,20 @@ TEST_F(StudyPeople, AFileThatCannotBeReachedDoesNotStopStatus) {
     EXPECT_EQ(status.code, 0) << status.err;
     EXPECT_THAT(status.out, HasSubstr("next: headpin experiment analyse study\n"));
   }
+}
+
+// Without a published model there is nothing to draw a virtual participant's answers from.
+TEST_F(StudyPeople, TheNextCommandDrawsAnswersOnlyWhereADesignHasAModel) {
+  plan(1);
+  ASSERT_EQ(headpin("experiment run study --participant p001 --virtual").code, 0);
+  const std::string ask = "experiment ask study --participant p001";
+  const auto next = [&] { return json("experiment status study --json")["next"]; };
+  EXPECT_EQ(next(), "headpin " + ask + " --virtual");
+  const fs::path design = folder_ / "study/design.toml";
+  static const std::regex estimates("\nestimate = [^\n]*");
+  spit(design, std::regex_replace(slurp(design), estimates, ""));
+  EXPECT_EQ(next(), "headpin " + ask);
+  expect_refusal(ask + " --virtual", 2, "no published model");
 }
 
 }  // namespace
