@@ -88,8 +88,8 @@ drop <- do.call(rbind, lapply(seq_len(ncol(x)), function(i) {
              p = if (df > 0) pchisq(grown, df, lower.tail = FALSE) else NA, virtual)
 }))
 
-# Linear predictors by changed parameter, as Table 5: all terms, and those without which the deviance grows
-# significantly at 5 %. n/a where nobody has the change, or nothing is published.
+# Linear predictors by changed parameter, as Table 5: all terms; and the constant of the change, and those of the
+# other terms without which the deviance grows significantly at 5 %. n/a where nobody has the change, or nothing is published.
 in_words <- function(estimates, used, constant, endless = character()) {
   used <- used & !is.na(estimates)
   number <- paste0(sprintf("%.1f", abs(estimates)), ifelse(colnames(x) %in% endless, "(endless)", ""))
