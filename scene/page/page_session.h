@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "devices/base/sources.h"
+#include "scene/looks/looks.h"
 #include "scene/play/session.h"
 #include "scene/record/trial_events.h"
 #include "scene/sound/hearing.h"
