@@ -160,11 +160,8 @@ void import_head(const ImportOptions& options, const scene::Scenario& base,
   for (const std::string& note : recording.notes) {
     say("headpin import: {}: {}\n", printable(options.file), printable(note));
   }
-  const double height = recording.head.front().p.y();
-  if (!(height > 1.0 && height < 2.2)) {
-    throw std::runtime_error(
-        fmt::format("{}: not a person's head: it is up {:.3g} m at first, expected 1 to 2.2",
-                    options.file, height));
+  if (const std::string why = scene::why_no_head(recording); !why.empty()) {
+    throw std::runtime_error(fmt::format("{}: not a person's head: {}", options.file, why));
   }
   scene::Recorder recorder =
       recorder_for(options, scene::stand_onlooker(base, recording, heading(options.heading)));

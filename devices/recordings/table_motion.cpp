@@ -176,6 +176,8 @@ class TableMotion {
     for (const std::string& missing : columns_.missing) tracks_.notes.push_back(missing);
     find_reading();
     look_like_degrees_ = angles_look_like_degrees(table_, columns_);
+    take_rows();
+    require_one_recording();
     order_rows();
     for (std::size_t part = 0; part < 3; ++part) {
       if (columns_.parts[part].tracked()) read_part(part);
@@ -229,9 +231,9 @@ class TableMotion {
     tracks_.reading = reading_;
   }
 
-  /// Rows in order of time.
-  void order_rows() {
-    std::size_t timeless = 0, unordered = 0;
+  /// The rows that have a time, in the order of the file.
+  void take_rows() {
+    std::size_t timeless = 0;
     for (std::size_t i = 0; i < table_.rows.size(); ++i) {
       const double time_s = times_[i].value_or(NAN) * reading_.time_unit_s;
       if (!(std::abs(time_s) < 1e11)) {
@@ -239,10 +241,31 @@ class TableMotion {
         continue;
       }
       rows_.emplace_back(microseconds(time_s), &table_.rows[i]);
-      if (rows_.size() > 1 && rows_.back().first < rows_[rows_.size() - 2].first) ++unordered;
     }
-    std::ranges::stable_sort(rows_, {}, [](const auto& row) { return row.first; });
     note(timeless, "rows have no time: ignored");
+  }
+
+  /// Two recordings in one file would be mixed, sample by sample.
+  void require_one_recording() const {
+    for (std::size_t part = 0; part < 3; ++part) {
+      if (!columns_.parts[part].tracked()) continue;
+      const TimedRows rows = rows_of(part);
+      std::vector<double> times_s;
+      for (const auto& row : rows) times_s.push_back(seconds(row.first));
+      if (const auto again = starts_again(times_s)) {
+        throw std::invalid_argument(fmt::format(
+            "{}:{}: the time starts again, at {:.3f} s after {:.3f} s: expected one recording",
+            where_, rows[*again].second->line, times_s[*again], times_s[*again - 1]));
+      }
+    }
+  }
+
+  /// Rows in order of time.
+  void order_rows() {
+    std::size_t unordered = 0;
+    for (std::size_t i = 1; i < rows_.size(); ++i)
+      unordered += rows_[i].first < rows_[i - 1].first ? 1 : 0;
+    std::ranges::stable_sort(rows_, {}, [](const auto& row) { return row.first; });
     note(unordered, "rows are earlier than the row before: put in order");
   }
 

@@ -259,4 +259,19 @@ TableTimes read_times(const AnyTable& table, std::size_t column, std::optional<d
   return TimeReader(table, column, told_unit_s, where, notes).read();
 }
 
+std::optional<std::size_t> starts_again(std::span<const double> times_s) {
+  constexpr double kStepBack_s = 0.5;
+  constexpr std::ptrdiff_t kRows = 20, kStray = 2;
+  for (std::size_t i = 1; i + kRows <= times_s.size(); ++i) {
+    const double before = times_s[i - 1];
+    if (!(times_s[i] < before - kStepBack_s)) continue;
+    const std::span<const double> next = times_s.subspan(i, kRows);
+    const auto later = std::ranges::count_if(next, [&](double time) { return time >= before; });
+    std::ptrdiff_t back = 0;
+    for (std::size_t k = 1; k < next.size(); ++k) back += next[k] < next[k - 1] ? 1 : 0;
+    if (later <= kStray && back <= kStray) return i;
+  }
+  return std::nullopt;
+}
+
 }  // namespace headpin::devices

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,5 +34,9 @@ std::optional<std::size_t> find_time(const AnyTable& table);
 /// @throws std::invalid_argument  when no unit fits
 TableTimes read_times(const AnyTable& table, std::size_t column, std::optional<double> told_unit_s,
                       std::string_view where, std::vector<std::string>& notes);
+
+/// The first of the rows, in the order of the file, with which the time starts again: it is more than half a
+/// second before the row above, and the rows below go on from there. A few rows in disorder are none.
+std::optional<std::size_t> starts_again(std::span<const double> times_s);
 
 }  // namespace headpin::devices

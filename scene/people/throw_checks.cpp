@@ -336,6 +336,16 @@ std::vector<std::string> doubts(const MotionRecording& r, const Throw& found) {
   return said;
 }
 
+std::string why_no_head(const MotionRecording& r) {
+  const double height = r.head.front().p.y();
+  if (!(height > 1.0 && height < 2.2))
+    return fmt::format("it is up {:.3g} m at first, expected 1 to 2.2", height);
+  const double speed = r.times.size() > 1 ? fastest(r, r.head) : 0.0;
+  if (!(speed <= kFastestHead))
+    return fmt::format("its fastest is {:.3g} m/s, expected 0 to {}", speed, kFastestHead);
+  return "";
+}
+
 Side throwing_side(const MotionRecording& r, const Hand& hand) {
   if (r.right_hand.empty()) return Side::left;
   if (r.left_hand.empty()) return Side::right;

@@ -16,6 +16,10 @@ namespace headpin::scene {
 std::vector<std::string> why_no_throw(const devices::MotionRecording& recording, const Hand& hand,
                                       Side side = Side::right);
 
+/// The reason why a recording of a head alone is not that of a person's: how high it is at first, or how fast it
+/// moves. Empty for a person's head.
+std::string why_no_head(const devices::MotionRecording& recording);
+
 /// Reasons why the release is less accurate: a low sample rate, long gaps, repeated poses. Sentences; empty for a
 /// good recording.
 ///

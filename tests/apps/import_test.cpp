@@ -258,5 +258,15 @@ TEST_F(TrialCommands, RotationsThatAreNotReadAreSoInTheFileOfColumns) {
   EXPECT_THAT(slurp(folder_ / "angles.toml"), HasSubstr("rotations = 'none'"));
 }
 
+// Two recordings whose times alternate became a head that jumps by metres.
+TEST_F(TrialCommands, AHeadAloneThatIsTooFastIsNoPersons) {
+  std::string text = "time,head_x,head_y,head_z,head_qw,head_qx,head_qy,head_qz\n";
+  for (int i = 0; i < 200; ++i)
+    text += fmt::format("{:.2f},{},1.7,0,1,0,0,0\n", 0.01 * i, i / 50 % 2);
+  spit(folder_ / "jumps.csv", text);
+  expect_refusal("import jumps.csv -o OUT.lcmlog --hand none", 1,
+                 "not a person's head: its fastest is ");
+}
+
 }  // namespace
 }  // namespace headpin

@@ -106,5 +106,46 @@ TEST(TableColumns, OfTheTimeIsTheOneThatAdvances) {
             Time{390'000});
 }
 
+// Two recordings in one file were merged sample by sample, and the trial jumped between them.
+TEST(TableTime, ThatStartsAgainIsASecondRecording) {
+  const auto refused = [](const std::string& text) -> std::string {
+    try {
+      parse_motion_table(text, "t.csv", {});
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const auto at = [](double time_s) { return fmt::format("{:.3f},{}", time_s, kPose); };
+  const auto once_more = [&](double from_s) {
+    std::string text = rows("time," + kPoses, [&](int i) { return at(0.02 * i); });
+    for (int i = 0; i < 40; ++i) text += at(from_s + 0.02 * i) + "\n";
+    return text;
+  };
+  EXPECT_EQ(refused(once_more(0.002)),
+            "t.csv:42: the time starts again, at 0.002 s after 0.780 s: expected one recording");
+  EXPECT_EQ(refused(once_more(0.8)), "");
+
+  // The rows of one object may stand below those of another, but not twice.
+  const std::string header = "object,time,x,y,z,qw,qx,qy,qz\n";
+  std::string one;
+  for (const char* object : {"head", "right"}) {
+    for (int i = 0; i < 40; ++i)
+      one += fmt::format("{},{:.2f},0,1.6,0,1,0,0,0\n", object, 0.02 * i);
+  }
+  EXPECT_EQ(refused(header + one), "");
+  EXPECT_THAT(refused(header + one + one), testing::StartsWith("t.csv:82: the time starts again"));
+
+  // A few rows that are late are put in order.
+  const MotionTracks late =
+      parse_motion_table(rows("time," + kPoses,
+                              [&](int i) {
+                                return at(i == 18 ? 0.005 : i == 19 ? 0.015 : 0.04 * i);
+                              }),
+                         "t.csv", {});
+  EXPECT_EQ(track_of(late, "head").size(), 40u);
+  EXPECT_THAT(late.notes, Contains("1 rows are earlier than the row before: put in order"));
+}
+
 }  // namespace
 }  // namespace headpin::devices
