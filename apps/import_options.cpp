@@ -297,9 +297,11 @@ std::string axes_text(const devices::Reading& reading) {
 }
 
 std::string rotations_text(const devices::Reading& reading) {
-  std::string text = reading.quaternion.empty() ? reading.angles : reading.quaternion;
-  if (reading.inverted) text += text.empty() ? "inverse" : ",inverse";
-  return text;
+  std::vector<std::string> words;  // of parts with a quaternion, and of parts with angles
+  if (!reading.quaternion.empty() && reading.angles != "none") words.push_back(reading.quaternion);
+  if (!reading.angles.empty()) words.push_back(reading.angles);
+  if (reading.inverted) words.emplace_back("inverse");
+  return fmt::format("{}", fmt::join(words, ","));
 }
 
 }  // namespace

@@ -46,7 +46,8 @@ struct Reading {
   /// What the four numbers of a quaternion are, as they stand in the file: "wxyz", "xyzw"; empty where
   /// rotations are no quaternions.
   std::string quaternion = {};
-  /// Order and unit of angles, such as "YXZ,deg", or "vector,deg"; "none" where a user said that
+  /// Order and unit of angles, such as "YXZ,deg", or "vector,deg"; without the unit where that of the head is
+  /// not that of a hand; "none" where a user said that
   /// rotations are not to be read; else empty where they are no angles.
   std::string angles = {};
   bool inverted = false;  ///< rotations are from the room to the head or hand

@@ -330,9 +330,7 @@ class TableMotion {
     if (options_.rotations == "none") {
       tracks_.reading.angles = "none";
     } else if (angles) {
-      tracks_.reading.angles =
-          fmt::format("{},{}", its.rotation == RotationKind::vector ? "vector" : order,
-                      degrees ? "deg" : "rad");
+      note_angles(its.rotation == RotationKind::vector ? "vector" : order, degrees ? "deg" : "rad");
     }
     if (its.rotation == RotationKind::angles) {
       tell_once(tracks_.notes, fmt::format("rotations are angles: read as {} in {}", order,
@@ -344,6 +342,13 @@ class TableMotion {
           table_, *its.trigger, table_.of_streams ? rows_with(*its.trigger) : rows, tracks_.notes);
     }
     tracks_.tracks.emplace_back(kPartNames[part], std::move(track));
+  }
+
+  /// Where units differ from part to part, the columns say them.
+  void note_angles(const std::string& order, std::string_view unit) {
+    std::string& angles = tracks_.reading.angles;
+    const std::string its = fmt::format("{},{}", order, unit);
+    angles = angles.empty() || angles == its ? its : order;
   }
 
   std::optional<Vec3> place(const AnyTable::Row& row, const PartColumns& its) const {

@@ -268,5 +268,17 @@ TEST_F(TrialCommands, AHeadAloneThatIsTooFastIsNoPersons) {
                  "not a person's head: its fastest is ");
 }
 
+// The order of the angles was not in the file of columns where another part has a quaternion.
+TEST_F(TrialCommands, AnglesBesideAQuaternionAreInTheFileOfColumns) {
+  spit(folder_ / "both.csv",
+       "t,head_x,head_y,head_z,head_rx,head_ry,head_rz,right_x,right_y,right_z,right_qw,right_qx,"
+       "right_qy,right_qz\n"
+       "0,0,1.7,0,0.1,0.2,0.3,0.2,1,0,1,0,0,0\n0.1,0,1.7,0,0.1,0.2,0.3,0.2,1,-0.1,1,0,0,0\n");
+  headpin("import both.csv --time-unit s --rotations ZYX,rad --explain -o both.toml");
+  EXPECT_THAT(slurp(folder_ / "both.toml"), HasSubstr("rotations = 'wxyz,ZYX,rad'"));
+  EXPECT_THAT(headpin("import both.csv --columns both.toml --explain").out,
+              HasSubstr("--rotations wxyz,ZYX,rad"));
+}
+
 }  // namespace
 }  // namespace headpin

@@ -147,5 +147,18 @@ TEST(TableTime, ThatStartsAgainIsASecondRecording) {
   EXPECT_THAT(late.notes, Contains("1 rows are earlier than the row before: put in order"));
 }
 
+TEST(TableAngles, OfPartsInTwoUnitsAreNotSaidToBeInOne) {
+  const auto angles = [](const char* unit) {
+    const std::string text = rows(
+        fmt::format("time,head_x,head_y,head_z,head_rx (rad),head_ry (rad),head_rz (rad),right_x,"
+                    "right_y,right_z,right_rx ({0}),right_ry ({0}),right_rz ({0})",
+                    unit),
+        [](int i) { return fmt::format("{:.2f},0,1.6,0,0,1,0,0.2,1,0,0.5,0,0", 0.01 * i); });
+    return parse_motion_table(text, "t.csv", {}).reading.angles;
+  };
+  EXPECT_EQ(angles("rad"), "YXZ,rad");
+  EXPECT_EQ(angles("deg"), "YXZ");
+}
+
 }  // namespace
 }  // namespace headpin::devices
