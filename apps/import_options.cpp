@@ -311,7 +311,7 @@ std::string options_between(const devices::Reading& was, const devices::Reading&
   const auto add = [&](const std::string& option, const std::string& value) {
     text += fmt::format("{}{} {}", text.empty() ? "" : " ", option, value);
   };
-  if (is.unit_m != was.unit_m) add("--units", name_of(kLengths, is.unit_m));
+  if (is.unit_m != was.unit_m && !is.own_units) add("--units", name_of(kLengths, is.unit_m));
   if (is.time_unit_s != was.time_unit_s) add("--time-unit", time_unit_name(is.time_unit_s));
   if (axes_text(is) != axes_text(was)) add("--axes", axes_text(is));
   if (rotations_text(is) != rotations_text(was)) add("--rotations", rotations_text(is));
@@ -334,7 +334,7 @@ std::string mapping_text(const std::string& file, const devices::ToldColumns& co
   if (recording) {
     const devices::Reading& reading = recording->reading;
     line("time_unit", time_unit_name(reading.time_unit_s));
-    line("units", name_of(kLengths, reading.unit_m));
+    if (!reading.own_units) line("units", name_of(kLengths, reading.unit_m));
     line("axes", axes_text(reading));
     if (const std::string rotations = rotations_text(reading); !rotations.empty())
       line("rotations", rotations);

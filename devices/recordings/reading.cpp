@@ -42,7 +42,10 @@ Quat quaternion_of(const std::array<double, 4>& numbers, std::string_view letter
 }
 
 Reading with(const ToldReading& told, Reading reading, std::string_view where) {
-  if (told.unit_m) reading.unit_m = *told.unit_m;
+  if (told.unit_m) {
+    reading.unit_m = *told.unit_m;
+    reading.own_units = false;
+  }
   if (told.axes) reading.axes = reading.turning = *told.axes;
   if (told.turning) reading.turning = *told.turning;
   if (told.time_unit_s) reading.time_unit_s = *told.time_unit_s;

@@ -50,7 +50,8 @@ struct Reading {
   /// not that of a hand; "none" where a user said that
   /// rotations are not to be read; else empty where they are no angles.
   std::string angles = {};
-  bool inverted = false;  ///< rotations are from the room to the head or hand
+  bool inverted = false;   ///< rotations are from the room to the head or hand
+  bool own_units = false;  ///< the file says several units of positions; unit_m is one of them
 
   bool operator==(const Reading&) const = default;
 };

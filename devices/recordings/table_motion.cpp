@@ -30,10 +30,12 @@ bool is_catalogue(const AnyTable& table) {
 
 std::optional<double> metres_of(std::string_view unit) {
   if (is_one_of(unit, {"m", "meter", "meters", "metre", "metres"})) return 1.0;
-  if (is_one_of(unit, {"cm", "centimeters", "centimetres"})) return 0.01;
-  if (is_one_of(unit, {"mm", "millimeters", "millimetres"})) return 0.001;
+  if (is_one_of(unit, {"cm", "centimeter", "centimeters", "centimetre", "centimetres"}))
+    return 0.01;
+  if (is_one_of(unit, {"mm", "millimeter", "millimeters", "millimetre", "millimetres"}))
+    return 0.001;
   if (is_one_of(unit, {"in", "inch", "inches"})) return 0.0254;
-  if (is_one_of(unit, {"ft", "feet"})) return 0.3048;
+  if (is_one_of(unit, {"ft", "foot", "feet"})) return 0.3048;
   return std::nullopt;
 }
 
@@ -212,11 +214,7 @@ class TableMotion {
   void find_reading() {
     Reading& reading = tracks_.reading;
     tracks_.since_start = is_catalogue(table_);
-    const PartColumns& first = *std::ranges::find_if(columns_.parts, &PartColumns::tracked);
-    reading.unit_m =
-        metres_of(unit_of(table_.columns[*first.position[0]]))
-            .value_or(
-                metres_of(table_.fact("length units")).value_or(is_catalogue(table_) ? 0.01 : 1.0));
+    find_units(reading);
     if (table_.kind == "Vicon") reading.axes = reading.turning = "RAS";  // z up
     for (const PartColumns& part : columns_.parts) {
       if (part.tracked() && part.rotation == RotationKind::quaternion)
@@ -229,6 +227,33 @@ class TableMotion {
     times_ = std::move(times.of_row);
     reading_ = with(options_.reading, reading, where_);
     tracks_.reading = reading_;
+  }
+
+  /// The unit of each column of a position; one that says none has that of the first that says one.
+  void find_units(Reading& reading) {
+    const double of_table =
+        metres_of(table_.fact("length units")).value_or(is_catalogue(table_) ? 0.01 : 1.0);
+    std::array<std::array<std::optional<double>, 3>, 3> said;
+    std::optional<double> first;
+    for (std::size_t part = 0; part < 3; ++part) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto& column = columns_.parts[part].position[i];
+        if (!column) continue;
+        said[part][i] = metres_of(unit_of(table_.columns[*column]));
+        if (!first) first = said[part][i];
+      }
+    }
+    reading.unit_m = first.value_or(of_table);
+    for (std::size_t part = 0; part < 3; ++part) {
+      const auto of_part =
+          std::ranges::find_if(said[part], [](const auto& one) { return one.has_value(); });
+      const double usual = of_part == said[part].end() ? reading.unit_m : **of_part;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const double unit_m = said[part][i].value_or(usual);
+        units_m_[part][static_cast<Eigen::Index>(i)] = options_.reading.unit_m.value_or(unit_m);
+        reading.own_units = reading.own_units || unit_m != reading.unit_m;
+      }
+    }
   }
 
   /// The rows that have a time, in the order of the file.
@@ -314,7 +339,8 @@ class TableMotion {
         continue;
       }
       const Quat turned = reading_.inverted ? q->conjugate() : *q;
-      again += !track.push(time, {turning.ours(turned), axes.ours(Vec3(reading_.unit_m * *p))});
+      again += !track.push(
+          time, {turning.ours(turned), axes.ours(Vec3(units_m_[part].cwiseProduct(*p)))});
     }
     if (2 * lost > rows.size()) refuse_part(part, lost, rows.size(), first_lost);
     note(again,
@@ -389,7 +415,9 @@ class TableMotion {
   std::vector<std::optional<double>> times_;
   TimedRows rows_;
   Reading reading_;
-  bool look_like_degrees_ = false;  ///< angles without a unit
+  std::array<Vec3, 3> units_m_ = {Vec3::Ones(), Vec3::Ones(),
+                                  Vec3::Ones()};  ///< of each part's x, y, z
+  bool look_like_degrees_ = false;                ///< angles without a unit
   MotionTracks tracks_;
 };
 

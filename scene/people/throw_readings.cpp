@@ -35,6 +35,7 @@ std::vector<Candidate> others(const Reading& was, double Reading::*number,
 }
 
 std::vector<Candidate> other_units(const Reading& was) {
+  if (was.own_units) return {};
   return others(was, &Reading::unit_m,
                 {{0.01, "in centimetres"},
                  {1.0, "in metres"},

@@ -280,5 +280,16 @@ TEST_F(TrialCommands, AnglesBesideAQuaternionAreInTheFileOfColumns) {
               HasSubstr("--rotations wxyz,ZYX,rad"));
 }
 
+TEST_F(TrialCommands, UnitsThatDifferAreNotOneInTheFileOfColumns) {
+  spit(folder_ / "units.csv",
+       "t,head_x [m],head_y [m],head_z [m],right_x [mm],right_y [mm],right_z [mm]\n"
+       "0,0,1.7,0,200,1000,0\n0.1,0,1.7,0,200,1000,-100\n");
+  const std::string told = headpin("import units.csv --time-unit s --explain -o units.toml").out;
+  EXPECT_THAT(told, Not(HasSubstr("--units")));
+  EXPECT_THAT(slurp(folder_ / "units.toml"), Not(HasSubstr("units =")));
+  headpin("import units.csv --time-unit s --units mm --explain -o units.toml --force");
+  EXPECT_THAT(slurp(folder_ / "units.toml"), HasSubstr("units = 'mm'"));
+}
+
 }  // namespace
 }  // namespace headpin

@@ -160,5 +160,34 @@ TEST(TableAngles, OfPartsInTwoUnitsAreNotSaidToBeInOne) {
   EXPECT_EQ(angles("deg"), "YXZ");
 }
 
+// The unit of the first column was taken for that of all.
+TEST(TableUnits, AreThoseOfEachColumn) {
+  const auto read = [](const std::string& head, const std::string& hand,
+                       MotionOptions options = {}) {
+    const std::string text =
+        rows(fmt::format("time,head_x{0},head_y{0},head_z{0},right_x{1},right_y{1},right_z{1}",
+                         head, hand),
+             [](int i) { return fmt::format("{:.2f},0,1.5,0,200,1000,0", 0.01 * i); });
+    return parse_motion_table(text, "t.csv", options);
+  };
+  const auto height = [](const MotionTracks& tracks, const char* name) {
+    return track_of(tracks, name).at(0).value.p.y();
+  };
+  for (const char* unit : {" [mm]", " [millimeter]", " [millimetres]"}) {
+    const MotionTracks mixed = read(" [m]", unit);
+    EXPECT_DOUBLE_EQ(height(mixed, "head"), 1.5);
+    EXPECT_DOUBLE_EQ(height(mixed, "right hand"), 1.0);
+    EXPECT_TRUE(mixed.reading.own_units);
+  }
+  EXPECT_DOUBLE_EQ(height(read(" [foot]", " [centimetre]"), "head"), 1.5 * 0.3048);
+  const MotionTracks alike = read(" [mm]", "");
+  EXPECT_DOUBLE_EQ(height(alike, "right hand"), 1.0);
+  EXPECT_FALSE(alike.reading.own_units);
+  const MotionTracks told = read(" [m]", " [mm]", {.reading = {.unit_m = 0.01}});
+  EXPECT_DOUBLE_EQ(height(told, "head"), 0.015);
+  EXPECT_DOUBLE_EQ(height(told, "right hand"), 10.0);
+  EXPECT_FALSE(told.reading.own_units);
+}
+
 }  // namespace
 }  // namespace headpin::devices
