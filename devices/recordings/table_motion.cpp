@@ -213,7 +213,6 @@ class TableMotion {
 
   void find_reading() {
     Reading& reading = tracks_.reading;
-    tracks_.since_start = is_catalogue(table_);
     find_units(reading);
     if (table_.kind == "Vicon") reading.axes = reading.turning = "RAS";  // z up
     for (const PartColumns& part : columns_.parts) {
@@ -292,6 +291,9 @@ class TableMotion {
       unordered += rows_[i].first < rows_[i - 1].first ? 1 : 0;
     std::ranges::stable_sort(rows_, {}, [](const auto& row) { return row.first; });
     note(unordered, "rows are earlier than the row before: put in order");
+    // A catalogue's file that begins later was cut out of a longer one.
+    constexpr Time kAtStart{1'000'000};
+    tracks_.since_start = is_catalogue(table_) && !rows_.empty() && rows_.front().first < kAtStart;
   }
 
   void note(std::size_t count, std::string_view what) {

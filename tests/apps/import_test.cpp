@@ -291,5 +291,21 @@ TEST_F(TrialCommands, UnitsThatDifferAreNotOneInTheFileOfColumns) {
   EXPECT_THAT(slurp(folder_ / "units.toml"), HasSubstr("units = 'mm'"));
 }
 
+// Its trial began at 100 s, and a replay refused it.
+TEST_F(TrialCommands, ACatalogueFileThatWasCutOutOfALongerOneBeginsAtZero) {
+  std::istringstream lines(slurp(HEADPIN_SOURCE_DIR "/assets/throws/example.csv"));
+  std::string line, late;
+  for (int row = 0; std::getline(lines, line); ++row) {
+    const std::size_t comma = line.find(',');
+    late += row == 0 ? line.substr(0, comma) : std::to_string(100'000 + std::stoi(line));
+    late += line.substr(comma) + "\n";
+  }
+  spit(folder_ / "late.csv", late);
+  const nlohmann::json made = json("import late.csv -o late.lcmlog --json");
+  EXPECT_LT(made["release_s"].get<double>(), 5.0);
+  EXPECT_EQ(headpin("replay late.lcmlog").code, 0);
+  EXPECT_NEAR(trial("late.lcmlog").events.front().value, 100.001, 1e-9);
+}
+
 }  // namespace
 }  // namespace headpin
