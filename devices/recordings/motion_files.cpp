@@ -315,6 +315,34 @@ std::string beginning(const std::string& path) {
                             fmt::join(known, ", ")));
 }
 
+/// Refuses what a user says of columns and angles for a format that says them itself.
+void refuse_told_columns(const MotionFormat& format, const MotionOptions& options,
+                         const std::string& path) {
+  if (format.inspect) return;
+  const auto refuse = [&](const std::string& found) {
+    throw std::invalid_argument(
+        fmt::format("{}: expected nothing said of columns or angles, as {} says its own; found {}",
+                    path, format.name, found));
+  };
+  if (!options.columns.empty()) refuse(options.columns[0].key + " = " + options.columns[0].column);
+  if (options.rotations && *options.rotations != "none") refuse(*options.rotations);
+  if (options.degrees) refuse(*options.degrees ? "deg" : "rad");
+}
+
+/// The tracks without their rotations.
+MotionTracks without_rotations(MotionTracks read) {
+  read.without_rotation.clear();
+  for (auto& [name, track] : read.tracks) {
+    PoseTrack level;
+    for (const Stamped<Pose>& sample : track.samples())
+      level.push(sample.time, {Quat::Identity(), sample.value.p});
+    track = std::move(level);
+    read.without_rotation.push_back(name);
+  }
+  read.reading.angles = "none";
+  return read;
+}
+
 /// The tracks as the user says that their numbers are read.
 MotionTracks as_told(MotionTracks read, const ToldReading& told, const std::string& path) {
   const Reading wanted = with(told, read.reading, path);
@@ -392,7 +420,9 @@ MotionRecording recording_of(const MotionTracks& read, const MotionOptions& opti
 
 MotionRecording read_motion(const std::string& path, const MotionOptions& options) {
   if (const MotionFormat* format = format_of(path)) {
-    const MotionTracks read = as_told(format->read(path, options), options.reading, path);
+    refuse_told_columns(*format, options, path);
+    MotionTracks read = as_told(format->read(path, options), options.reading, path);
+    if (options.rotations == "none") read = without_rotations(std::move(read));
     return counted_from(options.p_origin, recording_of(read, options, path));
   }
   refuse_unknown(path);

@@ -38,7 +38,7 @@ struct MotionOptions {
   /// Which hand throws: its times are those of the recording. Otherwise the faster one is taken.
   std::optional<bool> left_throws = {};
 
-  // For tables alone.
+  // For tables and XDF alone; but rotations "none" holds for every format.
   ToldColumns columns = {};
   /// Order of angles ("YXZ" about axes that turn with the body, "yxz" about fixed ones), "vector", or "none".
   std::optional<std::string> rotations = {};
@@ -104,7 +104,8 @@ const MotionFormat* format_of(const std::string& path);
 /// What the user says of units, axes and quaternions holds for every format.
 ///
 /// @throws std::invalid_argument  for a format not known here, naming those that are and what this
-///                                seems to be; else as MotionFormat::read
+///                                seems to be; for columns or angles that are told of a format that
+///                                says its own; else as MotionFormat::read
 MotionRecording read_motion(const std::string& path, const MotionOptions& options);
 
 /// Head and hands among tracks, by the given names or by words in theirs.

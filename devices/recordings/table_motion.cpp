@@ -175,6 +175,7 @@ class TableMotion {
 
   MotionTracks read() {
     require_columns();
+    require_told_angles();
     for (const std::string& missing : columns_.missing) tracks_.notes.push_back(missing);
     find_reading();
     look_like_degrees_ = angles_look_like_degrees(table_, columns_);
@@ -209,6 +210,22 @@ class TableMotion {
     const bool told = columns_.time && options_.p_head && !columns_.parts[0].tracked();
     throw UnclearColumns(
         fmt::format("{}: {}; {}", where_, columns_.missing[told ? 1 : 0], names_in(table_)));
+  }
+
+  /// An order or unit of angles that no column has is a mistake.
+  void require_told_angles() const {
+    const bool order = options_.rotations && *options_.rotations != "none";
+    if (options_.rotations == "none" || (!order && !options_.degrees)) return;
+    const auto has_angles = [](const PartColumns& part) {
+      return part.tracked() &&
+             (part.rotation == RotationKind::angles || part.rotation == RotationKind::vector);
+    };
+    if (std::ranges::any_of(columns_.parts, has_angles)) return;
+    throw std::invalid_argument(
+        fmt::format("{}: expected angles to read as {}; found other rotations, or none", where_,
+                    order               ? *options_.rotations
+                    : *options_.degrees ? "deg"
+                                        : "rad"));
   }
 
   void find_reading() {

@@ -386,5 +386,24 @@ TEST_F(MotionFilesIn, OfAnotherFormatAreToldWithThoseThatAreKnown) {
   EXPECT_THAT(why_not("missing"), HasSubstr("cannot open"));
 }
 
+TEST_F(MotionFilesIn, AFormatThatSaysItsColumnsTakesNoOthers) {
+  const Packet log = vrpn_log();
+  spit(folder / "log.vrpn", {log.begin(), log.end()});
+  EXPECT_THAT(why_not("log.vrpn", {.columns = {{"head", "HMD_*"}}}),
+              HasSubstr("as VRPN says its own; found head = HMD_*"));
+  for (const char* rotations : {"XYZ", "vector"})
+    EXPECT_THAT(why_not("log.vrpn", {.rotations = rotations}),
+                HasSubstr(std::string("as VRPN says its own; found ") + rotations));
+  EXPECT_THAT(why_not("log.vrpn", {.degrees = true}), HasSubstr("found deg"));
+
+  EXPECT_TRUE(read("log.vrpn").hands_turn);
+  const MotionRecording level = read("log.vrpn", {.rotations = "none"});
+  EXPECT_FALSE(level.head_turns);
+  EXPECT_FALSE(level.hands_turn);
+  EXPECT_EQ(level.reading.angles, "none");
+  EXPECT_EQ(level.right_hand.at(0).q.angularDistance(Quat::Identity()), 0.0);
+  EXPECT_EQ(level.right_hand.at(0).p.x(), 3.0);
+}
+
 }  // namespace
 }  // namespace headpin::devices

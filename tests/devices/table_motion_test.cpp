@@ -189,5 +189,23 @@ TEST(TableUnits, AreThoseOfEachColumn) {
   EXPECT_FALSE(told.reading.own_units);
 }
 
+TEST(TableAngles, ThatNoColumnHasAreNotTold) {
+  const std::string text =
+      rows("time," + kPoses, [](int i) { return fmt::format("{:.2f},{}", 0.01 * i, kPose); });
+  const auto told = [&](const MotionOptions& options) -> std::string {
+    try {
+      parse_motion_table(text, "t.csv", options);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(told({.rotations = "YXZ"}),
+            "t.csv: expected angles to read as YXZ; found other rotations, or none");
+  EXPECT_EQ(told({.degrees = false}),
+            "t.csv: expected angles to read as rad; found other rotations, or none");
+  EXPECT_EQ(told({.rotations = "none"}), "");
+}
+
 }  // namespace
 }  // namespace headpin::devices
