@@ -42,16 +42,33 @@ std::optional<int> take_digits(std::string_view& text, std::size_t most) {
   return number;
 }
 
+/// The fraction of a second behind a point or comma, or behind a colon: ":123" are milliseconds, but ":12"
+/// would be a number of frames.
+double take_fraction(std::string_view& text) {
+  const std::size_t digits = text.empty() ? 0 : text.find_first_not_of("0123456789", 1);
+  const std::size_t end = std::min(digits, text.size());
+  if (text.empty() || (text[0] != '.' && text[0] != ',' && !(text[0] == ':' && end == 4)))
+    return 0.0;
+  double fraction = 0.0, unit = 0.1;
+  for (std::size_t i = 1; i < end; ++i, unit *= 0.1) fraction += unit * (text[i] - '0');
+  text.remove_prefix(end);
+  return fraction;
+}
+
 bool take(std::string_view& text, std::string_view any_of) {
   if (text.empty() || any_of.find(text.front()) == std::string_view::npos) return false;
   text.remove_prefix(1);
   return true;
 }
 
+bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
 /// What the text behind a time of day adds to it [s]: "+02:00", "+0200" and "+02" -7200; "PM" half a day, but
 /// nothing to 12 o'clock; "AM" takes half a day from 12 o'clock. "Z" and names of zones add nothing.
 ///
-/// @return  none for a zone or an hour that cannot be
+/// @return  none for a zone or an hour that cannot be, and for other text
 std::optional<double> after_clock(std::string_view text, int hour) {
   while (take(text, " ")) {
   }
@@ -60,8 +77,10 @@ std::optional<double> after_clock(std::string_view text, int hour) {
     if (hour < 1 || hour > 12) return std::nullopt;
     return 43200.0 * ((word == "pm" ? 1 : 0) - (hour == 12 ? 1 : 0));
   }
+  if (text.empty() || is_letter(text.front()) || text.front() == '[' || text.front() == '(')
+    return 0.0;
   const bool east = text.starts_with('+');
-  if (!take(text, "+-")) return 0.0;
+  if (!take(text, "+-")) return std::nullopt;
   const auto hours = take_digits(text, 2);
   take(text, ":");
   const int minutes = take_digits(text, 2).value_or(0);
@@ -102,13 +121,7 @@ std::optional<double> date_seconds(std::string_view text) {
   const auto whole = take_digits(clock, 2);
   if (!hour || !minute || !whole || !first || !second || *hour > 24 || *minute > 59 || *whole > 60)
     return std::nullopt;
-  double fraction = 0.0;
-  if (take(clock, ".,")) {
-    for (double digit = 0.1; !clock.empty() && clock[0] >= '0' && clock[0] <= '9'; digit *= 0.1) {
-      fraction += digit * (clock[0] - '0');
-      clock.remove_prefix(1);
-    }
-  }
+  const double fraction = take_fraction(clock);
   const std::optional<double> rest = after_clock(clock, *hour);
   if (!rest) return std::nullopt;
   return kDay_s * days + 3600.0 * *hour + 60.0 * *minute + *whole + fraction + *rest;

@@ -33,6 +33,10 @@ std::string name_in(std::span<const std::uint8_t> data) {
 /// A report of a tracker: sensor, padding, position, quaternion x, y, z, w.
 constexpr std::size_t kReport = 8 + 7 * 8;
 
+bool is_same_pose(const Pose& a, const Pose& b) {
+  return a.p == b.p && a.q.coeffs() == b.q.coeffs();
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, PoseTrack>> parse_vrpn(std::span<const std::uint8_t> bytes,
@@ -41,6 +45,7 @@ std::vector<std::pair<std::string, PoseTrack>> parse_vrpn(std::span<const std::u
   std::map<std::int32_t, std::string> types, senders;
   std::vector<std::pair<std::string, PoseTrack>> tracks;
   std::optional<Time> first;
+  std::size_t again = 0;
   const auto fail = [&](std::size_t at, const std::string& what) {
     throw std::invalid_argument(fmt::format("{}: byte {}: {}", where, at, what));
   };
@@ -80,12 +85,18 @@ std::vector<std::pair<std::string, PoseTrack>> parse_vrpn(std::span<const std::u
       }
       if (!first) first = time;
       PoseTrack& poses = track->second;
-      // VRPN sometimes repeats a report; the repetition is not a new one.
-      if (!poses.push(time - *first, pose) && time - *first < poses.samples().back().time) {
-        fail(at, fmt::format("{}: time must advance", name));
+      if (!poses.push(time - *first, pose)) {
+        const Stamped<Pose>& last = poses.samples().back();
+        if (time - *first < last.time) fail(at, fmt::format("{}: time must advance", name));
+        // VRPN sometimes repeats a report; the repetition is not a new one.
+        again += is_same_pose(pose, last.value) ? 0 : 1;
       }
     }
     at += kHeader + static_cast<std::size_t>(size);
+  }
+  if (again > 0) {
+    notes.push_back(
+        fmt::format("{} reports have another pose at the time of the one before: ignored", again));
   }
   if (at < bytes.size()) {  // it was not closed, or not copied whole
     notes.push_back(fmt::format("the log ends within a message: {} bytes at its end are left out",

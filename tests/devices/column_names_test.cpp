@@ -188,5 +188,15 @@ TEST(Markers, WithoutAGrabAndALaterReleaseAreRefusedByTheirLine) {
   EXPECT_EQ(refused("0 start\n1 grab\n2 release\n3 stop\n"), "");
 }
 
+// The milliseconds behind a colon were passed over, so that all rows of a second had one time.
+TEST(TimeOf, AMillisecondBehindAColonIsReadAndOtherTextRefused) {
+  EXPECT_DOUBLE_EQ(time_of("23:59:57:123", 1.0).value(), 86397.123);
+  EXPECT_EQ(time_of("12:00:00 UTC", 1.0), 12 * 3600.0);
+  EXPECT_EQ(time_of("12:00:00.", 1.0), 12 * 3600.0);
+  EXPECT_EQ(time_of("12:00:00+02:00[Europe/Berlin]", 1.0), 10 * 3600.0);
+  for (const char* none : {"23:59:57:12", "23:59:57:1234", "23:59:57;12", "23:59:57.5.5"})
+    EXPECT_EQ(time_of(none, 1.0), std::nullopt) << none;
+}
+
 }  // namespace
 }  // namespace headpin::devices

@@ -405,5 +405,20 @@ TEST_F(MotionFilesIn, AFormatThatSaysItsColumnsTakesNoOthers) {
   EXPECT_EQ(level.right_hand.at(0).p.x(), 3.0);
 }
 
+TEST(MotionFiles, AVrpnReportOfAnotherPoseAtTheSameTimeIsLeftOutAndSaid) {
+  const auto with_report = [](double x) {
+    Packet log = vrpn_log(1), data;
+    put_number(data, 0, 8);
+    for (const double v : {x, 2.0, 3.0, 0.0, 0.6, 0.0, 0.8})
+      put_number(data, std::bit_cast<std::uint64_t>(v), 8);
+    message(log, 3, 7, Time{1'700'000'000'990'000}, data);
+    std::vector<std::string> notes;
+    EXPECT_EQ(parse_vrpn(log, "x", 1.0, notes).at(0).second.samples().size(), 100u);
+    return notes;
+  };
+  EXPECT_THAT(with_report(1.0), testing::IsEmpty());  // the same again
+  EXPECT_THAT(with_report(1.5), testing::ElementsAre(HasSubstr("1 reports have another pose")));
+}
+
 }  // namespace
 }  // namespace headpin::devices
