@@ -349,25 +349,6 @@ TEST(Looks, ShowSkittlesOfAnotherVersionWhereTheyStand) {
   EXPECT_EQ(glimpse(make_session(other), {}).skittle_centre, version.skittle_centre);
 }
 
-// Weighed as a true skittle its centre is lower than its middle. Trials of rules 1 to 12 are drawn as they
-// were seen: about the centre, 43 mm too low.
-TEST(Looks, ShowAnEllipsoidWhereItCollidesHoweverItIsWeighed) {
-  Scenario scenario;
-  scenario.collision.shape = SkittleShape::ellipsoid;
-  scenario.skittle.seen = SeenSkittle::collider;
-  const auto top = [&](WeighedEllipsoid weighed, std::int64_t rules) {
-    scenario.skittle.ellipsoid_weighed = weighed;
-    scenario.collision.rules = rules;
-    Seen seen(scenario);
-    seen.glimpse.ellipsoids = true;
-    const View view = seen.views()[0];
-    return mask(seen.labels(view), kFirstSkittleId).lo.y();
-  };
-  const double itself = top(WeighedEllipsoid::itself, 13);
-  EXPECT_NEAR(top(WeighedEllipsoid::alike, 13), itself, 0.5);
-  EXPECT_GT(top(WeighedEllipsoid::alike, 12), itself + 0.5);
-}
-
 TEST(Looks, HideWhatTheHandIsInFrontOfInBothEyes) {
   Seen seen;
   seen.balls[0].p = Vec3(0.0, 0.5, 1.45);
