@@ -110,7 +110,7 @@ Delivered delivered(const RoomMeasures& room, const engine::State& s) {
   const double ahead = -s.w_WB.head<2>().dot(right);  // rolls ahead
   const double side = -s.w_WB.head<2>().dot(along);   // hooks to the left
   if (ahead != 0.0 || side != 0.0) d.rotation_deg = angle_deg(side, ahead);
-  if (d.rotation_deg == -180.0) d.rotation_deg = 180.0;
+  if (std::abs(d.rotation_deg) >= 180.0) d.rotation_deg = 180.0;  // rounding goes beyond it
   d.tilt_deg = angle_deg(s.w_WB.z(), s.w_WB.head<2>().norm());
   return d;
 }

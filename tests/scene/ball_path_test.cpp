@@ -286,5 +286,106 @@ TEST(BallPath, OfAThrowAtAFullRackLeavesWhatOfItStands) {
   }
 }
 
+/// A ball without a lane or a step: its states are told.
+struct ToldBall {
+  static constexpr double kRadius = 0.125;  // without rounding
+
+  RoomMeasures room;
+  engine::World world;
+  BallWatch watch;
+
+  ToldBall(int rate_hz, double gravity, const engine::State& release) {
+    world.parameters.rate_hz = rate_hz;
+    world.parameters.gravity_W = Vec3(0.0, 0.0, -gravity);
+    watch = watch_ball(room, release);
+  }
+  const BallPath& then(const engine::State& now, bool was_released = false, bool strikes = false) {
+    see(watch, room, kRadius, world, now, strikes, was_released);
+    return watch.path;
+  }
+};
+
+/// A ball at a distance, with its lowest point at a height.
+engine::State told_state(double distance, double height, const Vec3& v_WB) {
+  engine::State s;
+  s.X_WB.p = Vec3(0.0, distance, ToldBall::kRadius + height);
+  s.v_WB = v_WB;
+  return s;
+}
+
+// 3 m/s down and 0.8 m up: at the lane with 5 m/s, after 0.2 s of the step's 0.25 s.
+TEST(BallPath, HasTheFirstTouchWhereTheFallWithinAStepEnds) {
+  const engine::State lies = told_state(3.5, 0.0, {0.0, 10.0, 0.0});
+  ToldBall falls(4, 10.0, told_state(1.0, 0.8, {0.0, 10.0, -3.0}));
+  EXPECT_NEAR(falls.then(lies).loft_end.value_or(0.0), 3.0, 1e-9);
+  ToldBall weightless(4, 0.0, told_state(1.0, 0.5, {0.0, 10.0, -4.0}));
+  EXPECT_NEAR(weightless.then(lies).loft_end.value_or(0.0), 2.25, 1e-9);
+}
+
+TEST(BallPath, HasTheFirstTouchOfABallThatIsLetGoOnTheLaneThere) {
+  ToldBall ball(4, 10.0, told_state(1.0, 0.0, {0.0, 8.0, 0.0}));
+  EXPECT_EQ(ball.then(told_state(3.0, 0.0, {0.0, 8.0, 0.0}), true).loft_end, 1.0);
+}
+
+TEST(BallPath, HasNoTouchOfTheLaneInTheAir) {
+  ToldBall let_go(240, 10.0, told_state(1.0, 1.0, {0.0, 8.0, 0.0}));
+  EXPECT_FALSE(let_go.then(told_state(1.03, 1.0, {0.0, 8.0, -0.02}), true).loft_end);
+  ToldBall pushed_up(240, 10.0, told_state(1.0, 0.5, {0.0, 8.0, -1.0}));
+  EXPECT_FALSE(pushed_up.then(told_state(1.03, 0.5, {0.0, 8.0, 2.0})).loft_end);
+  // Just above the lane, but in free flight.
+  ToldBall rises(240, 10.0, told_state(1.0, 0.00005, {0.0, 8.0, 1.0}));
+  EXPECT_FALSE(rises.then(told_state(1.03, 0.004, {0.0, 8.0, 1.0 - 10.0 / 240.0})).loft_end);
+}
+
+TEST(BallPath, RollsWhenItSlipsByLessThanAFiftiethOfItsSpeed) {
+  for (const double speed : {8.0, 0.5}) {
+    for (const double slips : {0.01, 0.03}) {
+      engine::State s = told_state(1.0, 0.0, {0.0, speed, 0.0});
+      s.w_WB.x() = -(1.0 - slips) * speed / ToldBall::kRadius;
+      ToldBall ball(240, 10.0, s);
+      EXPECT_EQ(ball.then(s, true).hook_end.has_value(), slips < 0.02) << speed << " " << slips;
+    }
+  }
+}
+
+TEST(BallPath, HasNoBreakpointWhereItComesToRest) {
+  ToldBall ball(240, 10.0, told_state(1.0, 0.0, {-0.05, 0.1, 0.0}));
+  EXPECT_FALSE(ball.then(told_state(1.0, 0.0, Vec3::Zero())).breakpoint);
+}
+
+TEST(BallPath, HasAnExitOnTheLaneAlone) {
+  for (const double x : {-0.55, -0.5, 0.5, 0.55}) {
+    ToldBall ball(240, 10.0, told_state(6.0, 0.0, {0.0, 8.0, 0.0}));
+    engine::State behind = told_state(ball.room.deck_end + 0.1, 0.0, {0.0, 8.0, 0.0});
+    behind.X_WB.p.x() = x;
+    const BallPath path = ball.then(behind, false, true);
+    EXPECT_EQ(path.exit_board.has_value(), std::abs(x) < 0.527) << x;
+    if (path.exit_board) {
+      EXPECT_NEAR(*path.exit_board, 20.0 - x * 39.0 / 1.0541, 1e-9);
+    }
+  }
+}
+
+// Rolling, back spin, and side spin to either side. A ball that stands has no direction to tell it from.
+TEST(BallPath, TellsSpinAlongAndAcrossTheLaneAndThatOfABallThatStands) {
+  const RoomMeasures room;
+  engine::State s = told_state(1.0, 0.0, {0.0, 5.0, 0.0});
+  for (const auto& [w_WB, rotation_deg] : {std::pair{Vec3(-3.0, 0.0, 0.0), 0.0},
+                                           {Vec3(3.0, 0.0, 0.0), 180.0},
+                                           {Vec3(0.0, -3.0, 0.0), 90.0},
+                                           {Vec3(0.0, 3.0, 0.0), -90.0},
+                                           {Vec3(0.0, 0.0, 3.0), 0.0}}) {
+    s.w_WB = w_WB;
+    EXPECT_NEAR(delivered(room, s).rotation_deg, rotation_deg, 1e-9) << w_WB.transpose();
+    EXPECT_LE(delivered(room, s).rotation_deg, 180.0) << w_WB.transpose();
+  }
+  s.v_WB = Vec3::Zero();
+  s.w_WB = Vec3(1.0, 2.0, 2.0);
+  const Delivered stands = delivered(room, s);
+  EXPECT_EQ(stands.rotation_deg, 0.0);
+  EXPECT_EQ(stands.tilt_deg, 0.0);
+  EXPECT_NEAR(stands.revs_per_min, 3.0 * 30.0 / std::numbers::pi, 1e-9);
+}
+
 }  // namespace
 }  // namespace headpin::scene

@@ -279,5 +279,72 @@ TEST(LaneWear, IsRefusedOutsideOfItsRangeAndWithoutOil) {
             "lane.toml:3: lane.oil.wear must be 0 on a lane without zones of oil, found 0.02");
 }
 
+/// Four boards of a metre, in rows of 1, 2, 3 and 4 m.
+engine::FrictionTable wide_boards() {
+  return {.low_x = -2.0,
+          .width = 1.0,
+          .columns = 4,
+          .edges = {0.0, 1.0, 3.0, 6.0, 10.0},
+          .friction = std::vector<double>(16, kOil)};
+}
+
+TouchedCells touched_on(const Vec2& from, const Vec2& to) {
+  TouchedCells cells;
+  add_way(cells, wide_boards(), from, to);
+  return cells;
+}
+
+// Half a metre to the right for each metre ahead.
+TEST(LaneWear, IsOnTheBoardsThatAWayCrossesRowByRow) {
+  const TouchedCells crossed{0, 4, 5, 9, 10, 11, 15};
+  EXPECT_EQ(touched_on({-1.5, 0.5}, {1.5, 6.5}), crossed);
+  EXPECT_EQ(touched_on({1.5, 6.5}, {-1.5, 0.5}), crossed) << "a ball that comes back";
+  EXPECT_EQ(touched_on({-1.5, 2.0}, {0.5, 2.0}), (TouchedCells{4, 5, 6})) << "straight across";
+  EXPECT_EQ(touched_on({0.5, 0.5}, {0.5, 1.0}), (TouchedCells{2, 6})) << "a row has its first edge";
+  EXPECT_EQ(touched_on({0.5, -1.0}, {0.5, 0.5}), TouchedCells{2}) << "from before the lane";
+  EXPECT_EQ(touched_on({0.5, 9.0}, {0.5, 12.0}), TouchedCells{14}) << "to beyond its end";
+}
+
+// The contact is some millimetres wide: it may be on two boards, or half beside the lane.
+TEST(LaneWear, IsAsWideAsTheContact) {
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_EQ(touched_on({side * 0.002, 4.0}, {side * 0.002, 5.0}), (TouchedCells{9, 10}));
+    EXPECT_EQ(touched_on({side * 0.004, 4.0}, {side * 0.004, 5.0}).size(), 1u);
+  }
+  EXPECT_EQ(touched_on({-2.001, 4.0}, {-2.001, 5.0}), TouchedCells{8});
+  EXPECT_EQ(touched_on({2.001, 4.0}, {2.001, 5.0}), TouchedCells{11});
+  EXPECT_EQ(touched_on({-2.1, 4.0}, {-2.1, 5.0}), TouchedCells{});
+  EXPECT_EQ(touched_on({2.1, 4.0}, {2.1, 5.0}), TouchedCells{});
+}
+
+// Half of the oil goes. Of the friction that it took away, times length, the mean of two boards is
+// (0.08 + 0.06) * 2 / 2 = 0.14 m in the first row and 0.04 * 0.5 / 2 = 0.01 m in the second one. A
+// quarter is carried down: 0.0375 m, of which the dry board of the second row, of 0.5 m, gets
+// 0.5 / 1.524, and the third row, longer than 5 ft, the rest.
+TEST(LaneWear, OfAPassIsThatOfAHandCalculation) {
+  const engine::FrictionTable fresh{.low_x = 0.0,
+                                    .width = 1.0,
+                                    .columns = 2,
+                                    .edges = {0.0, 2.0, 2.5, 6.5},
+                                    .friction = {0.04, 0.08, 0.12, 0.2, 0.2, 0.2}};
+  const Oil oil{.zones = {}, .dry = 0.2, .wear = 0.5, .carry_down = 0.25};
+  const engine::FrictionTable after = worn(fresh, fresh, {0, 1, 2, 3, 4}, oil);
+  const double second = 0.0375 / 1.524;
+  const double rest = 0.0375 - 0.5 * second / 2.0;  // it is on one of two boards
+  const std::vector expected{0.12, 0.14, 0.16, 0.2 - second, 0.2 - rest / 4.0, 0.2};
+  EXPECT_THAT(after.friction, testing::Pointwise(testing::DoubleNear(1e-12), expected));
+}
+
+TEST(LaneWear, IsNoneOfABallThatTouchedNothingOrOnALaneWithoutWear) {
+  const Stage wears = make_stage(sport_oil(0.5)), wears_not = make_stage(sport_oil(0.0));
+  engine::World world = wears.world, other = wears_not.world;
+  wear_lane(world, wears, {});
+  EXPECT_FALSE(world.bodies[wears.lane].table);
+  wear_lane(other, wears_not, {0});
+  EXPECT_FALSE(other.bodies[wears_not.lane].table);
+  wear_lane(world, wears, {0});
+  EXPECT_TRUE(world.bodies[wears.lane].table);
+}
+
 }  // namespace
 }  // namespace headpin::scene

@@ -213,5 +213,36 @@ TEST(TrackFlare, IsNotDrawnUnlessAsked) {
   EXPECT_EQ(items, draw_list(looks, glimpse(make_session(Scenario()), {})).items.size());
 }
 
+// The bounds of an area of oil are those of its friction: the low ones are in it, the high ones are not.
+TEST(TrackFlare, CountsWithinTheBoundsOfOilThatIsMoreSlipperyThanTheLane) {
+  RoomMeasures room;
+  room.dry = 0.2;
+  room.oil = {{Vec2(-0.3, 1.0), Vec2(0.2, 4.0), 0.04}, {Vec2(-0.3, 4.0), Vec2(0.2, 5.0), 0.2}};
+  for (const Vec2& p : {Vec2(0.0, 2.0), Vec2(-0.3, 2.0), Vec2(0.0, 1.0)}) {
+    EXPECT_TRUE(leaves_rings(room, Vec3(p.x(), p.y(), 0.1))) << p.transpose();
+  }
+  for (const Vec2& p : {Vec2(-0.4, 2.0), Vec2(0.2, 2.0), Vec2(0.3, 2.0), Vec2(0.0, 0.5),
+                        Vec2(0.0, 4.0), Vec2(0.0, 4.5), Vec2(0.0, 5.5)}) {
+    EXPECT_FALSE(leaves_rings(room, Vec3(p.x(), p.y(), 0.1))) << p.transpose();
+  }
+  room.oil.clear();
+  for (const double x : {-0.55, -0.5, 0.5, 0.55}) {
+    EXPECT_EQ(leaves_rings(room, Vec3(x, 2.0, 0.1)), std::abs(x) < 0.527) << x;
+  }
+}
+
+// It touches the lane with one point of it.
+TEST(TrackFlare, HasNoRingOfABallThatSpinsOnThePointWhereItStands) {
+  OilRings rings;
+  engine::State spins;
+  spins.w_WB = Vec3(0.0, 0.0, 20.0);
+  for (int i = 0; i < 240; ++i) {
+    add_contact(rings, spins, true, 0.1, 1.0 / 240.0);
+    EXPECT_FALSE(rings.newest) << i;
+  }
+  EXPECT_FALSE(rings.first || rings.flare);
+  EXPECT_LT(rings.turned, 2.0 * std::numbers::pi) << "each turn of it begins anew";
+}
+
 }  // namespace
 }  // namespace headpin::scene

@@ -128,5 +128,22 @@ TEST(WalkTest, WhoIsTooNearAlreadyWalksAwayAndNoNearer) {
   }
 }
 
+TEST(WalkTest, EndsBeforeTheMaskingPanelAndBehindIt) {
+  const Scenario scenario = furnished();
+  const Block panel = front_blocks(room_measures(scenario)).back();
+  const double clear = scenario.walk.clearance, tick_way = kTick * scenario.walk.speed;
+  for (const double way : {1.0, -1.0}) {
+    const double edge = way > 0.0 ? panel.low_W.y() - clear : panel.high_W.y() + clear;
+    const Vec3 from(0.0, edge - way * 0.8, 1.7);
+    ASSERT_TRUE(is_clear(from, scenario));
+    const Pose X_PD = head(from, Vec3(0.0, way, 0.0));
+    Walk walk;
+    for (int tick = 0; tick < 480; ++tick) step(walk, scenario, X_PD, X_PD, 1, kTick);
+    const double left = way * (edge - (from + walk.p_WP).y());
+    EXPECT_GE(left, -1e-9) << way;
+    EXPECT_LE(left, tick_way) << way;
+  }
+}
+
 }  // namespace
 }  // namespace headpin::scene
