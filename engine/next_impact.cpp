@@ -69,11 +69,7 @@ void leave_what_lands_later(const World& world, const Flight& flight, Touches& t
 
 double threshold_of(const World& world, const Flight& flight, const Touch& touch) {
   const int had = std::max(flight.bodies[touch.a].impacts, flight.bodies[touch.b].impacts);
-  if (had >= kGentle) return flight.lasting_speed;
-  const double followed = followed_speed(world, flight, touch.a, touch.b);
-  if (!rests_under_gravity(world.parameters) || !was_loaded(world.memory, touch)) return followed;
-  const double by_gravity = 1.5 * flight.fall * world.parameters.rate_hz;
-  return std::max(followed, std::min(by_gravity, flight.lasting_speed));
+  return had < kGentle ? followed_speed(world, flight, touch.a, touch.b) : flight.lasting_speed;
 }
 
 void leave_what_lasts(const World& world, const Flight& flight, Touches& touches, Touch& touch) {

@@ -109,13 +109,7 @@ inline bool rounds_loads(const Parameters& p) {
   return p.rules >= 11;
 }
 
-// Since rules 13: what turns fast on a floor, at a low rate or where it is small.
-
-/// What gravity alone presses together within a step is a lasting contact, also where that overlap is deep
-/// for the bodies. As an impact in each step it had next to no friction, and no rolling resistance.
-inline bool rests_under_gravity(const Parameters& p) {
-  return p.rules >= 13;
-}
+// Since rules 13: how ellipsoids are drawn. See drawn_centres() in scene/looks/looks.cpp.
 
 /// The query with what older rules lack switched off.
 inline Query query_under(const Parameters& p) {

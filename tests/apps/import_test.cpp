@@ -264,8 +264,10 @@ TEST_F(TrialCommands, AHeadAloneThatIsTooFastIsNoPersons) {
   for (int i = 0; i < 200; ++i)
     text += fmt::format("{:.2f},{},1.7,0,1,0,0,0\n", 0.01 * i, i / 50 % 2);
   spit(folder_ / "jumps.csv", text);
-  expect_refusal("import jumps.csv -o OUT.lcmlog --hand none", 1,
-                 "not a person's head: its fastest is ");
+  const Result refused = headpin("import jumps.csv -o OUT.lcmlog --hand none");
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_THAT(refused.err, HasSubstr("not a person's head: its fastest is 50 m/s"));
+  EXPECT_FALSE(fs::exists(folder_ / "OUT.lcmlog"));
 }
 
 // The order of the angles was not in the file of columns where another part has a quaternion.
