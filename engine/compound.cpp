@@ -8,6 +8,7 @@
 
 #include "engine/moments.h"
 #include "engine/non_colliding.h"
+#include "engine/rods.h"
 
 namespace headpin::engine {
 namespace {
@@ -16,11 +17,6 @@ constexpr double kPi = std::numbers::pi;
 
 bool is_half_space(const Part& part) {
   return std::holds_alternative<HalfSpace>(part.shape);
-}
-
-/// Height of the part's furthest point along `n`, signed [m].
-double top(const Part& part, const Vec3& n) {
-  return n.dot(part.X_BG * support(part.shape, part.X_BG.q.conjugate() * n));
 }
 
 bool on_axis(const Pose& X_BG, const Vec3& axis, double size) {
@@ -277,136 +273,14 @@ Moments stacked_discs(const std::vector<Part>& parts) {
   return m;
 }
 
-struct Interval {
-  double low, high;  // empty when low > high
-};
-
-void keep_below(Interval& t, double offset, double slope) {  // offset + slope t <= 0
-  if (slope > 0.0) {
-    t.high = std::min(t.high, -offset / slope);
-  } else if (slope < 0.0) {
-    t.low = std::max(t.low, -offset / slope);
-  } else if (offset > 0.0) {
-    t = {1.0, 0.0};
-  }
-}
-
-void keep_quadratic(Interval& t, double a, double b, double c) {  // a t^2 + 2 b t + c <= 0, a >= 0
-  if (a < 1e-15) return keep_below(t, c, 2.0 * b);
-  const double root = b * b - a * c;
-  if (root < 0.0) {
-    t = {1.0, 0.0};
-    return;
-  }
-  t.low = std::max(t.low, (-b - std::sqrt(root)) / a);
-  t.high = std::min(t.high, (-b + std::sqrt(root)) / a);
-}
-
-// The part of an interval t of the line p + t d that lies inside a shape.
-
-Interval inside(const Ellipsoid& e, const Vec3& p, const Vec3& d, Interval t) {
-  const Vec3 u = d.cwiseQuotient(e.radii), v = p.cwiseQuotient(e.radii);
-  keep_quadratic(t, u.dot(u), u.dot(v), v.dot(v) - 1.0);
-  return t;
-}
-
-Interval inside(const Cylinder& c, const Vec3& p, const Vec3& d, Interval t) {
-  keep_quadratic(t, d.x() * d.x() + d.y() * d.y(), d.x() * p.x() + d.y() * p.y(),
-                 p.x() * p.x() + p.y() * p.y() - c.radius * c.radius);
-  keep_below(t, p.z() - c.half_height, d.z());
-  keep_below(t, -p.z() - c.half_height, -d.z());
-  return t;
-}
-
-Interval inside(const Polyhedron& h, const Vec3& p, const Vec3& d, Interval t) {
-  for (const Polyhedron::Face& f : h.faces()) {
-    keep_below(t, f.normal.dot(p) - f.offset, f.normal.dot(d));
-  }
-  return t;
-}
-
-/// Inside: rho <= (h/2 - z) r / h. Both sides are squared; the limits of z exclude the other nappe.
-Interval inside(const Cone& k, const Vec3& p, const Vec3& d, Interval t) {
-  const double slope = k.radius / k.height, z = p.z() - 0.5 * k.height;
-  const double a = d.x() * d.x() + d.y() * d.y() - slope * slope * d.z() * d.z();
-  const double b = d.x() * p.x() + d.y() * p.y() - slope * slope * d.z() * z;
-  const double c = p.x() * p.x() + p.y() * p.y() - slope * slope * z * z;
-  keep_below(t, z, d.z());
-  keep_below(t, -z - k.height, -d.z());
-  if (a >= 1e-15) {
-    keep_quadratic(t, a, b, c);
-  } else if (a > -1e-15) {
-    keep_below(t, c, 2.0 * b);
-  } else {  // steep line: outside the roots it is inside the double cone; take the lower nappe
-    const double root = std::sqrt(std::max(0.0, b * b - a * c));
-    const double t1 = (-b + root) / a, t2 = (-b - root) / a;  // t1 <= t2
-    if (d.z() > 0.0) {
-      t.high = std::min(t.high, t1);
-    } else {
-      t.low = std::max(t.low, t2);
-    }
-  }
-  return t;
-}
-
-Interval inside(const HalfSpace&, const Vec3& p, const Vec3& d, Interval t) {
-  keep_below(t, p.z(), d.z());
-  return t;
-}
-
-Interval inside(const Shape& shape, const Vec3& p, const Vec3& d, Interval t) {
-  return std::visit([&](const auto& s) { return inside(s, p, d, t); }, shape);
-}
-
-// Rods along z on a grid. The part of each centre line that lies inside the union is exact.
-Moments bundled_rods(const std::vector<Part>& parts) {
-  constexpr int kRods = 600;
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (const Part& part : parts) {
-    for (int i = 0; i < 3; ++i) {
-      low[i] = std::min(low[i], -top(part, -Vec3::Unit(i)));
-      high[i] = std::max(high[i], top(part, Vec3::Unit(i)));
-    }
-  }
-  const double dx = (high.x() - low.x()) / kRods, dy = (high.y() - low.y()) / kRods;
-  Moments m;
-  std::vector<Interval> pieces;
-  for (int i = 0; i < kRods; ++i) {
-    for (int j = 0; j < kRods; ++j) {
-      const Vec3 p(low.x() + (i + 0.5) * dx, low.y() + (j + 0.5) * dy, 0.0);
-      pieces.clear();
-      for (const Part& part : parts) {
-        const Pose X_GB = part.X_BG.inverse();
-        const Interval t =
-            inside(part.shape, X_GB * p, X_GB.q * Vec3::UnitZ(), {low.z(), high.z()});
-        if (t.low < t.high) pieces.push_back(t);
-      }
-      std::sort(pieces.begin(), pieces.end(),
-                [](const Interval& a, const Interval& b) { return a.low < b.low; });
-      double done = low.z();
-      for (const Interval& t : pieces) {
-        const double a = std::max(t.low, done), b = t.high;
-        if (b <= a) continue;
-        done = b;
-        const double volume = dx * dy * (b - a);
-        const Vec3 middle(p.x(), p.y(), 0.5 * (a + b));
-        m.volume += volume;
-        m.first += volume * middle;
-        m.second += volume * middle * middle.transpose();
-        m.second.diagonal() += volume / 12.0 * Vec3(dx * dx, dy * dy, (b - a) * (b - a));
-      }
-    }
-  }
-  return m;
-}
-
 }  // namespace
 
 MassProperties mass_properties(const Shape& shape, double density) {
   return weigh(moments(shape), density);
 }
 
-MassProperties mass_properties(const Compound& compound, double density, Overlaps overlaps) {
+MassProperties mass_properties(const Compound& compound, double density, Overlaps overlaps,
+                               Rods rods) {
   const std::vector<Part>& parts = compound.parts;
   if (std::any_of(parts.begin(), parts.end(), is_half_space)) moments(HalfSpace{});
   bool any = false;
@@ -414,7 +288,8 @@ MassProperties mass_properties(const Compound& compound, double density, Overlap
     for (std::size_t j = i + 1; j < parts.size() && !any; ++j) any = overlap(parts[i], parts[j]);
   }
   if (any) {
-    return weigh(is_revolution(compound) ? stacked_discs(parts) : bundled_rods(parts), density);
+    return weigh(is_revolution(compound) ? stacked_discs(parts) : bundled_rods(parts, rods),
+                 density);
   }
   Moments m;
   for (const Part& part : parts) m.add(moments(part.shape), part.X_BG);

@@ -77,16 +77,23 @@ MassProperties mass_properties(const Shape& shape, double density);
 /// they are known not to.
 enum class Overlaps { maybe, none };
 
+/// Where the rods are that parts are cut into: between the places where the outline of a part begins, bends or
+/// ends; or, as in trials under rules 1 to 12, evenly, so that thin parts weighed up to a fifth too much or too little.
+enum class Rods { between_bends, even };
+
 /// Mass properties of the union of the parts: matter where parts overlap counts once.
 ///
 /// A single part, and parts that are apart or known not to overlap, are summed in closed form. Parts that
 /// share the axis z as bodies of revolution are cut into discs (relative error below 1e-6), others
-/// into rods along z, each of whose overlaps with the parts is exact (below 1e-3).
+/// into rods along z, each of whose overlaps with the parts is exact. Boxes along the axes are exact but for
+/// rounding, others below 1e-3. Where dozens of turned parts cross that are a thousand times as long as they are
+/// thick, the error was 1.2e-3 at most.
 ///
 /// @param density  [kg/m3]
 /// @throws std::invalid_argument  with a half-space among the parts
 MassProperties mass_properties(const Compound& compound, double density,
-                               Overlaps overlaps = Overlaps::maybe);
+                               Overlaps overlaps = Overlaps::maybe,
+                               Rods rods = Rods::between_bends);
 
 /// Whether every part is a body of revolution about the z axis of B.
 bool is_revolution(const Compound& compound);

@@ -8,6 +8,11 @@
 /// Moments of the shapes in closed form, and their mass properties. Private to the engine.
 namespace headpin::engine {
 
+/// Height of the part's furthest point along `n`, signed [m].
+inline double top(const Part& part, const Vec3& n) {
+  return n.dot(part.X_BG * support(part.shape, part.X_BG.q.conjugate() * n));
+}
+
 /// Volume and its first and second moments about the origin: all that mass properties need.
 struct Moments {
   double volume = 0.0;

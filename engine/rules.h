@@ -72,6 +72,7 @@ inline bool keeps_rooms_exact(const Parameters& p) {
 // Since rules 8: Coulomb's law where bodies meet without a slip. See response_under() in response.h.
 
 // Since rules 9: how the bodies of a scene are made. See skittle_body() in scene/stage/bodies.cpp.
+// Since rules 13: how overlapping parts of a skittle are weighed. See rods_of() there.
 
 // Since rules 10: floors and walls of several parts.
 

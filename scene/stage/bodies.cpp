@@ -53,13 +53,19 @@ engine::Overlaps overlaps_of(const std::vector<SkittlePart>& parts,
   return engine::Overlaps::none;
 }
 
+/// Rules 1 to 12 weighed parts that overlap by even rods, which missed thin parts.
+engine::Rods rods_of(const Scenario& scenario) {
+  return scenario.collision.rules < 13 ? engine::Rods::even : engine::Rods::between_bends;
+}
+
 /// Mass properties of the skittle: from its outline, its parts, or its one ellipsoid.
 engine::MassProperties skittle_mass(const Scenario& scenario, const engine::Compound& shape) {
   const Skittle& skittle = scenario.skittle;
   const auto of_parts = [&](const engine::Compound& parts) {
     const engine::Overlaps overlaps = overlaps_of(skittle.parts, parts);
-    const double volume = engine::mass_properties(parts, 1.0, overlaps).mass;
-    return engine::mass_properties(parts, skittle.mass / volume, overlaps);
+    const engine::Rods rods = rods_of(scenario);
+    const double volume = engine::mass_properties(parts, 1.0, overlaps, rods).mass;
+    return engine::mass_properties(parts, skittle.mass / volume, overlaps, rods);
   };
   const bool is_ellipsoid = scenario.collision.shape == SkittleShape::ellipsoid;
   if (is_ellipsoid && skittle.ellipsoid_weighed == WeighedEllipsoid::itself) return of_parts(shape);
