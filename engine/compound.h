@@ -78,7 +78,7 @@ MassProperties mass_properties(const Shape& shape, double density);
 enum class Overlaps { maybe, none };
 
 /// Where the rods are that parts are cut into: between the places where the outline of a part begins, bends or
-/// ends; or, as in trials under rules 1 to 12, evenly, so that thin parts weighed up to a fifth too much or too little.
+/// ends; or, as in trials under rules 1 to 13, evenly, so that thin parts weighed up to a fifth too much or too little.
 enum class Rods { between_bends, even };
 
 /// Mass properties of the union of the parts: matter where parts overlap counts once.

@@ -171,8 +171,8 @@ class Queue {
       return false;
     }
     const Touch before = touch;
-    const std::optional<Meeting> meeting =
-        find_meeting(world_, flight_, touches_, touch, threshold_of(world_, flight_, touch));
+    const std::optional<Meeting> meeting = find_meeting(
+        world_, flight_, touches_, touch, threshold_of(world_, flight_, touches_, touch));
     if (!meeting) {
       queued.due = kNever;
       pass(touch, before);
@@ -203,7 +203,8 @@ class Queue {
     touch.points = 0;
     if (!leaves_out_what_lasts(world_.parameters)) return;
     touch = before;
-    leave_out_fast(world_, flight_, touches_, touch, threshold_of(world_, flight_, touch));
+    leave_out_fast(world_, flight_, touches_, touch,
+                   threshold_of(world_, flight_, touches_, touch));
     leave_what_lasts(world_, flight_, touches_, touch);
   }
 

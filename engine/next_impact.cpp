@@ -9,12 +9,20 @@ namespace {
 
 constexpr int kGentle = 8;  // impacts of a body in a step after which slow ones are left out
 
+/// Whether the two touch when the step begins, as they did in the last one.
+bool rests(const World& world, const Touches& touches, const Touch& touch) {
+  if (touch.time > 0.0 || !was_loaded(world.memory, touch)) return false;
+  const auto first = touches.points.begin() + touch.first_point;
+  return std::any_of(first, first + touch.points,
+                     [](const ContactPoint& p) { return p.depth > -kMeets; });
+}
+
 /// The next meeting, if any. The path of a body that turns far is followed at once and to the end
 /// of the step, because it may meet with points that are not contact points yet.
 std::optional<Meeting> seen_early(const World& world, const Flight& flight, Touches& touches,
                                   Touch& touch) {
   const double trusted = trusted_for(world, touch);
-  const double threshold = threshold_of(world, flight, touch);
+  const double threshold = threshold_of(world, flight, touches, touch);
   const bool to_the_end = (trusted < kNever && follows_far_turns(world.parameters)) ||
                           shows_only_overlap(world, touch.a, touch.b);
   if (!to_the_end && touch.time + trusted >= step_seconds(world)) {
@@ -44,7 +52,7 @@ void leave_out_what_passes(const World& world, const Flight& flight, Touches& to
   touches.points.resize(count);
   const bool would_brake =
       follows_far_turns(world.parameters) &&
-      soonest(world, flight, touches, touch, threshold_of(world, flight, touch));
+      soonest(world, flight, touches, touch, threshold_of(world, flight, touches, touch));
   if (meet && !would_brake) return;
   const auto first = touches.points.begin() + touch.first_point;
   const auto end = std::remove_if(first, first + touch.points,
@@ -67,9 +75,14 @@ void leave_what_lands_later(const World& world, const Flight& flight, Touches& t
 
 }  // namespace
 
-double threshold_of(const World& world, const Flight& flight, const Touch& touch) {
+double threshold_of(const World& world, const Flight& flight, const Touches& touches,
+                    const Touch& touch) {
   const int had = std::max(flight.bodies[touch.a].impacts, flight.bodies[touch.b].impacts);
-  return had < kGentle ? followed_speed(world, flight, touch.a, touch.b) : flight.lasting_speed;
+  if (had >= kGentle) return flight.lasting_speed;
+  const double followed = followed_speed(world, flight, touch.a, touch.b);
+  if (!rests_under_gravity(world.parameters) || !rests(world, touches, touch)) return followed;
+  const double by_gravity = 1.5 * flight.fall * world.parameters.rate_hz;
+  return std::max(followed, std::min(by_gravity, flight.lasting_speed));
 }
 
 void leave_what_lasts(const World& world, const Flight& flight, Touches& touches, Touch& touch) {

@@ -7,7 +7,8 @@ namespace headpin::engine::detail {
 
 /// Approach speed above which a touch is followed [m/s]. A body that turns fast meets with one point after
 /// the other; slow meetings must not use up its number of impacts.
-double threshold_of(const World& world, const Flight& flight, const Touch& touch);
+double threshold_of(const World& world, const Flight& flight, const Touches& touches,
+                    const Touch& touch);
 
 /// Time of the next possible impact of a touch, from its present contact points; kNever without any [s].
 /// Then the points that are no lasting contacts are removed.

@@ -72,7 +72,7 @@ inline bool keeps_rooms_exact(const Parameters& p) {
 // Since rules 8: Coulomb's law where bodies meet without a slip. See response_under() in response.h.
 
 // Since rules 9: how the bodies of a scene are made. See skittle_body() in scene/stage/bodies.cpp.
-// Since rules 13: how overlapping parts of a skittle are weighed. See rods_of() there.
+// Since rules 14: how overlapping parts of a skittle are weighed. See rods_of() there.
 
 // Since rules 10: floors and walls of several parts.
 
@@ -111,6 +111,14 @@ inline bool rounds_loads(const Parameters& p) {
 }
 
 // Since rules 13: how ellipsoids are drawn. See drawn_centres() in scene/looks/looks.cpp.
+
+// Since rules 14: what turns fast on a floor, at a low rate or where it is small.
+
+/// What gravity alone presses together within a step stays a lasting contact, also where that overlap is deep
+/// for the bodies. As an impact in each step it had next to no friction, and no rolling resistance.
+inline bool rests_under_gravity(const Parameters& p) {
+  return p.rules >= 14;
+}
 
 /// The query with what older rules lack switched off.
 inline Query query_under(const Parameters& p) {

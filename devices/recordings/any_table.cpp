@@ -169,7 +169,7 @@ bool is_unit(std::string_view cell) {
   constexpr std::array kUnits = {"m",       "cm",     "mm",     "in",      "ft",  "s",
                                  "ms",      "us",     "ns",     "deg",     "rad", "degrees",
                                  "radians", "meters", "metres", "seconds", "1",   "-",
-                                 "quat",    "%",      "v",      "bool",    "0/1", "°"};
+                                 "quat",    "%",      "v",      "bool",    "0/1", "\u00b0"};
   return std::ranges::find(kUnits, small_letters(without_brackets(cell))) != kUnits.end();
 }
 

@@ -53,9 +53,9 @@ engine::Overlaps overlaps_of(const std::vector<SkittlePart>& parts,
   return engine::Overlaps::none;
 }
 
-/// Rules 1 to 12 weighed parts that overlap by even rods, which missed thin parts.
+/// Rules 1 to 13 weighed parts that overlap by even rods, which missed thin parts.
 engine::Rods rods_of(const Scenario& scenario) {
-  return scenario.collision.rules < 13 ? engine::Rods::even : engine::Rods::between_bends;
+  return scenario.collision.rules < 14 ? engine::Rods::even : engine::Rods::between_bends;
 }
 
 /// Mass properties of the skittle: from its outline, its parts, or its one ellipsoid.
