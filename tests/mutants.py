@@ -113,6 +113,8 @@ def edits(unit, path, text):
                 end = cursor.extent.end.offset
                 if text[end:end + 1] == ";":
                     add(cursor, None, "statement left out")
+        if cursor.kind == Kind.VAR_DECL and any(part.kind == Kind.TEMPLATE_REF for part in parts):
+            parts = parts[-1:]  # the others are in its type
         for part in parts[is_if_constexpr(cursor):]:
             visit(part, cursor)
 
