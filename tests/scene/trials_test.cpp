@@ -105,6 +105,23 @@ double deepest_overlap(const std::string& path, std::int64_t rules) {
   return deepest;
 }
 
+// Made in November 2026, under rules 13: a ball of 25 mm slides with back spin at 120 Hz, under the response coulomb
+// with friction 0.09. The sample before the trigger and the one behind it count.
+TEST(ATrialOfRules13, ComesToTheHashesOfItsTimeAndItsBallIsBrakedUnderRules14) {
+  const std::string path = HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-13.lcmlog";
+  EXPECT_EQ(replayed(path), (Hashes{"7d24d2aa688ecc25", "029fb2b6cb2b2f61"}));
+  const auto slowed = [&](std::int64_t rules) {
+    std::vector<double> speeds;  // from 0.8 to 1.3 s behind the release
+    follow_ball(path, rules, [&](const Session& s, const engine::State& ball) {
+      const double t = seconds(s.now()) - 3.962;
+      if (t >= 0.8 && t < 1.3) speeds.push_back(ball.v_WB.norm());
+    });
+    return speeds.front() - speeds.back();
+  };
+  EXPECT_NEAR(slowed(14), 0.09 * 9.81 * 59.0 / 120.0, 0.01);
+  EXPECT_LT(slowed(13), 0.3 * 0.09 * 9.81 * 59.0 / 120.0);
+}
+
 // Made in November 2026, under rules 11: the demo, whose trigger is known 0.3 s late. The ball left at 3.97322 s,
 // 0.5737 m high, and rose at 1.494 m/s; gravity is left out within one tick.
 TEST(ATrialOfRules11, ComesToTheHashesOfItsTimeAndItsBallHasFallenUnderRules12) {
