@@ -111,18 +111,11 @@ bool places_by_possible_samples(const Scenario& scenario) {
   return scenario.collision.rules >= 11;
 }
 
-/// Rules 1 to 13 placed the body by samples that came too late to count for its velocity.
-bool places_by_told_samples(const Scenario& scenario) {
-  return scenario.collision.rules >= 14;
-}
-
 /// The carried body at the time of its release, where samples that are left out do not count.
 Carried at_release(const Player& player, const Scenario& scenario, Time time, Time now) {
   const Carried held = carried(player, scenario, time, now);
   const Motion& motion = held.motion;
-  const bool differs = places_by_told_samples(scenario) ||
-                       (motion.left_out > 0 && places_by_possible_samples(scenario));
-  if (!motion.X_PH || !differs) return held;
+  if (motion.left_out == 0 || !motion.X_PH || !places_by_possible_samples(scenario)) return held;
   const Pose X_WH = player.walk.X_WP(seconds(now - time)) * *motion.X_PH;
   return in_hand(player, scenario.hand, X_WH, motion);
 }

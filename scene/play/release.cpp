@@ -299,12 +299,7 @@ Fits fits(const Track& track, Time at, const Quat& q_WH, const ReleaseWindow& wi
 
 Motion motion_at(std::span<const Stamped<Pose>> track, Time at, const Vec3& p_HB,
                  const ReleaseWindow& window) {
-  if (track.empty()) return {};
-  if (track.back().time < at - window.least) {
-    Motion none;
-    none.X_PH = track.back().value;
-    return none;
-  }
+  if (track.empty() || track.back().time < at - window.least) return {};
   Near near = samples_near(track, at, window);
   while (near.track.size() >= 2) {
     const Time last = near.track.back().time;

@@ -348,7 +348,6 @@ struct BadSample {
   int number = -1;                ///< of the samples of the session; -1: none
   Pose off = {};                  ///< from where the hand is [m]
   std::optional<int> rules = {};  ///< `collision.rules`; else the scenario's
-  double latency_s = kLatency;    ///< of all samples
 };
 
 Played play(const KnownSwing& swing, double release_s, double delay_s, ReleaseAt release_at,
@@ -364,7 +363,7 @@ Played play(const KnownSwing& swing, double release_s, double delay_s, ReleaseAt
   for (int i = 0; tick_time(i, 60) < Time{1'800'000}; ++i) {
     devices::TrackerSample hand;
     hand.device_time = tick_time(i, 60);
-    hand.host_time = hand.device_time + microseconds(bad.latency_s);
+    hand.host_time = hand.device_time + microseconds(kLatency);
     hand.sequence = i;
     hand.station = devices::kHandStation;
     hand.X_TS = swing.hand(std::max(0.0, seconds(hand.device_time) - kStart));
@@ -441,30 +440,6 @@ TEST(AThrow, LeavesFromWhereTheHandIsAlsoWhereASampleThatIsLeftOutShowedItElsewh
     EXPECT_GT((old.release.p_W - straight.ball(at, grip)).norm(), 0.03);
     EXPECT_LT((motion->V_WB.v - v).norm(), 0.3);
   }
-}
-
-// A device of 1 ms tells of a sample 3 ms behind the trigger in time; one of 8 ms would not, so it does not count.
-TEST(AThrow, LeavesFromWhereTheSamplesThatCountShowTheHand) {
-  const KnownSwing straight = known_swings().front().second;
-  const int next = static_cast<int>(std::floor((1.0 + straight.release) * 60.0));
-  const double at = next / 60.0 - 1.0 - 0.003;
-  const auto place = [&](double off_m, int rules) {
-    const BadSample later{next, {Quat::Identity(), Vec3(off_m, 0.0, 0.0)}, rules, 0.001};
-    return play(straight, at, 0.010, ReleaseAt::trigger, later).release.p_W;
-  };
-  EXPECT_EQ(place(0.1, 14), place(0.0, 14));
-  EXPECT_GT((place(0.1, 13) - place(0.0, 13)).norm(), 0.05);
-  const Vec3 p = straight.ball(at - (1.0 / 60.0 - 0.003), Hand{}.grip);
-  EXPECT_LT((place(0.0, 14) - p).norm(), 1e-5);
-}
-
-// Without a sample from 120 ms before the trigger to it, the last one before it says where the hand is.
-TEST(MotionAtTheTrigger, ThatIsNotKnownHasThePoseOfTheLastSample) {
-  const std::vector<Stamped<Pose>> track{{Time{10'000}, {Quat::Identity(), Vec3(0.0, 0.05, 1.0)}}};
-  const Motion found = motion_at(track, Time{900'000}, Vec3::Zero(), window());
-  EXPECT_EQ(found.known, Known::impossible);
-  ASSERT_TRUE(found.X_PH);
-  EXPECT_EQ(found.X_PH->p, track[0].value.p);
 }
 
 // The hand's pose is the one between the samples that are used, and held where none is later.

@@ -106,7 +106,7 @@ double deepest_overlap(const std::string& path, std::int64_t rules) {
 }
 
 // Made in November 2026, under rules 13: a ball of 25 mm slides with back spin at 120 Hz, under the response coulomb
-// with friction 0.09. The sample before the trigger and the one behind it count.
+// with friction 0.09.
 TEST(ATrialOfRules13, ComesToTheHashesOfItsTimeAndItsBallIsBrakedUnderRules14) {
   const std::string path = HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-13.lcmlog";
   EXPECT_EQ(replayed(path), (Hashes{"7d24d2aa688ecc25", "029fb2b6cb2b2f61"}));
