@@ -42,14 +42,49 @@ std::optional<int> take_digits(std::string_view& text, std::size_t most) {
   return number;
 }
 
-/// The fraction of a second behind a point or comma, or behind a colon: ":123" are milliseconds, but ":12"
-/// would be a number of frames.
-double take_fraction(std::string_view& text) {
-  const std::size_t digits = text.empty() ? 0 : text.find_first_not_of("0123456789", 1);
-  const std::size_t end = std::min(digits, text.size());
-  if (text.empty() || (text[0] != '.' && text[0] != ',' && !(text[0] == ':' && end == 4)))
-    return 0.0;
+/// The digits behind the third colon of a time: "7" of "12:00:01:7"; empty where there is no such colon.
+std::string_view behind_third_colon(std::string_view text) {
+  std::size_t colon = text.find(':');
+  for (int further = 0; further < 2; ++further) {
+    if (colon == std::string_view::npos) return {};
+    const std::size_t next = text.find(':', colon + 1);
+    if (next != std::string_view::npos && next - colon > 3)
+      return {};  // a zone's: "12:00:00+02:00"
+    colon = next;
+  }
+  if (colon == std::string_view::npos) return {};
+  text.remove_prefix(colon + 1);
+  return text.substr(0, text.find_first_not_of("0123456789"));
+}
+
+/// The decimals of a second that whole numbers behind a third colon count, as many as the longest has: 3
+/// (milliseconds), 6 or 9. 0 for others, which may count frames: they end long before a second is full.
+std::size_t colon_decimals(const std::vector<std::string_view>& times) {
+  std::size_t least = std::string_view::npos, most = 0;
+  for (const std::string_view time : times) {
+    const std::size_t digits = behind_third_colon(time).size();
+    if (digits > 0) least = std::min(least, digits), most = std::max(most, digits);
+  }
+  if (most != 3 && most != 6 && most != 9) return 0;
+  const auto is_late = [&](std::string_view time) {
+    const std::string_view digits = behind_third_colon(time);
+    return digits.size() == most && digits.front() >= '5';
+  };
+  return least == most || std::ranges::any_of(times, is_late) ? most : 0;
+}
+
+/// The fraction of a second behind a point, a comma, or a colon.
+///
+/// @param colon_decimals  of a whole number behind a colon; 0 where it is none
+double take_fraction(std::string_view& text, std::size_t colon_decimals) {
+  if (text.empty() || std::string_view(".,:").find(text[0]) == std::string_view::npos) return 0.0;
+  const std::size_t end = std::min(text.find_first_not_of("0123456789", 1), text.size());
   double fraction = 0.0, unit = 0.1;
+  if (text[0] == ':') {
+    const std::size_t digits = end - 1;
+    if (digits == 0 || digits > colon_decimals) return 0.0;
+    for (std::size_t i = digits; i < colon_decimals; ++i) unit *= 0.1;
+  }
   for (std::size_t i = 1; i < end; ++i, unit *= 0.1) fraction += unit * (text[i] - '0');
   text.remove_prefix(end);
   return fraction;
@@ -65,22 +100,45 @@ bool is_letter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
 }
 
+/// Takes blanks, also U+00A0, U+2009 and U+202F, which do not break a line, and what is written in their place
+/// where only ASCII or Latin-1 can be.
+void take_blanks(std::string_view& text) {
+  constexpr std::array<std::string_view, 6> kBlanks = {
+      " ", "\xc2\xa0", "\xe2\x80\x89", "\xe2\x80\xaf", "\xa0", "?"};
+  const auto is_next = [&](std::string_view blank) { return text.starts_with(blank); };
+  for (auto blank = std::ranges::find_if(kBlanks, is_next); blank != kBlanks.end();
+       blank = std::ranges::find_if(kBlanks, is_next)) {
+    text.remove_prefix(blank->size());
+  }
+}
+
+/// 'a' for "AM", "a.m." and "a. m.", 'p' for "PM"; none for other words, such as "AMT".
+std::optional<char> half_of_day(std::string_view text) {
+  const bool before_noon = take(text, "aA");
+  if (!before_noon && !take(text, "pP")) return std::nullopt;
+  take(text, ".");
+  take_blanks(text);
+  if (!take(text, "mM") || (!text.empty() && is_letter(text.front()))) return std::nullopt;
+  return before_noon ? 'a' : 'p';
+}
+
 /// What the text behind a time of day adds to it [s]: "+02:00", "+0200" and "+02" -7200; "PM" half a day, but
-/// nothing to 12 o'clock; "AM" takes half a day from 12 o'clock. "Z" and names of zones add nothing.
+/// nothing to 12 o'clock; "AM" takes half a day from 12 o'clock. "Z", names of zones and other words add nothing.
 ///
-/// @return  none for a zone or an hour that cannot be, and for other text
+/// @return  none for a zone or an hour that cannot be, and for more numbers
 std::optional<double> after_clock(std::string_view text, int hour) {
-  while (take(text, " ")) {
-  }
-  const std::string word = small_letters(text.substr(0, 2));
-  if (word == "am" || word == "pm") {
+  take_blanks(text);
+  if (const std::optional<char> half = half_of_day(text)) {
     if (hour < 1 || hour > 12) return std::nullopt;
-    return 43200.0 * ((word == "pm" ? 1 : 0) - (hour == 12 ? 1 : 0));
+    return 43200.0 * ((half == 'p' ? 1 : 0) - (hour == 12 ? 1 : 0));
   }
-  if (text.empty() || is_letter(text.front()) || text.front() == '[' || text.front() == '(')
-    return 0.0;
+  if (text.empty()) return 0.0;
+  constexpr std::string_view kOfNumbers = "0123456789:.,;";
   const bool east = text.starts_with('+');
-  if (!take(text, "+-")) return std::nullopt;
+  if (!take(text, "+-")) {
+    if (kOfNumbers.find(text.front()) != std::string_view::npos) return std::nullopt;
+    return 0.0;
+  }
   const auto hours = take_digits(text, 2);
   take(text, ":");
   const int minutes = take_digits(text, 2).value_or(0);
@@ -97,7 +155,9 @@ bool begins_with_date(std::string_view text) {
 
 /// "2026-11-25T13:57:27.123+01:00", or "13:57:27.123" alone: seconds since 1970, or since midnight. If
 /// the text has an offset, in UTC.
-std::optional<double> date_seconds(std::string_view text) {
+///
+/// @param colon_decimals  of a whole number behind a third colon; 0 where there is none
+std::optional<double> date_seconds(std::string_view text, std::size_t colon_decimals) {
   double days = 0.0;
   std::string_view clock = text;
   if (begins_with_date(text)) {
@@ -121,10 +181,16 @@ std::optional<double> date_seconds(std::string_view text) {
   const auto whole = take_digits(clock, 2);
   if (!hour || !minute || !whole || !first || !second || *hour > 24 || *minute > 59 || *whole > 60)
     return std::nullopt;
-  const double fraction = take_fraction(clock);
+  const double fraction = take_fraction(clock, colon_decimals);
   const std::optional<double> rest = after_clock(clock, *hour);
   if (!rest) return std::nullopt;
   return kDay_s * days + 3600.0 * *hour + 60.0 * *minute + *whole + fraction + *rest;
+}
+
+std::vector<std::string_view> column_cells(const AnyTable& table, std::size_t column) {
+  std::vector<std::string_view> cells;
+  for (const AnyTable::Row& row : table.rows) cells.push_back(row.cells[column]);
+  return cells;
 }
 
 class TimeReader {
@@ -134,6 +200,7 @@ class TimeReader {
       : table_(table),
         column_(table.columns[column]),
         index_(column),
+        colon_decimals_(colon_decimals(column_cells(table, column))),
         told_s_(told_s),
         where_(where),
         notes_(notes) {}
@@ -143,13 +210,14 @@ class TimeReader {
     const bool dates = has_dates();
     std::vector<double> numbers;
     for (const AnyTable::Row& row : table_.rows) {
-      std::optional<double> time = dates ? date_seconds(row.cells[index_]) : cell_number(row);
+      std::optional<double> time = dates ? cell_date(row) : cell_number(row);
       // A time of day without its date is of the day on which it is nearest to the one before.
       if (dates && time && !numbers.empty() && !begins_with_date(row.cells[index_]))
         *time += kDay_s * std::round((numbers.back() - *time) / kDay_s);
       times.of_row.push_back(time);
       if (time) numbers.push_back(*time);
     }
+    if (numbers.empty()) refuse_cells();
     times.unit_s = dates ? 1.0 : unit(numbers);
     return times;
   }
@@ -159,13 +227,27 @@ class TimeReader {
   bool has_dates() const {
     for (const AnyTable::Row& row : table_.rows) {
       if (cell_number(row)) return false;
-      if (date_seconds(row.cells[index_])) return true;
+      if (cell_date(row)) return true;
     }
     return false;
   }
 
   std::optional<double> cell_number(const AnyTable::Row& row) const {
     return table_.number(row.cells[index_]);
+  }
+
+  std::optional<double> cell_date(const AnyTable::Row& row) const {
+    return date_seconds(row.cells[index_], colon_decimals_);
+  }
+
+  [[noreturn]] void refuse_cells() const {
+    for (const AnyTable::Row& row : table_.rows) {
+      const std::string_view cell = row.cells[index_];
+      if (cell.empty()) continue;
+      throw std::invalid_argument(fmt::format("{}:{}: {}: '{}' is no time", where_, row.line,
+                                              column_.name, cell.substr(0, 40)));
+    }
+    throw std::invalid_argument(fmt::format("{}: {}: no row has a time", where_, column_.name));
   }
 
   double unit(const std::vector<double>& numbers) const {
@@ -192,6 +274,7 @@ class TimeReader {
   const AnyTable& table_;
   const FoundColumn& column_;
   std::size_t index_;
+  std::size_t colon_decimals_;
   std::optional<double> told_s_;
   std::string_view where_;
   std::vector<std::string>& notes_;
@@ -240,7 +323,7 @@ std::optional<double> time_of(std::string_view cell, double unit_s) {
   if (const auto number = plain.number(cell)) return unit_s * *number;
   plain.decimal_comma = true;
   if (const auto number = plain.number(cell)) return unit_s * *number;
-  return date_seconds(cell);
+  return date_seconds(cell, colon_decimals({cell}));
 }
 
 std::optional<std::size_t> find_time(const AnyTable& table) {

@@ -26,12 +26,13 @@ std::optional<double> time_of(std::string_view cell, double unit_s);
 /// since the row before does not.
 std::optional<std::size_t> find_time(const AnyTable& table);
 
-/// Reads the column of the time: numbers, or dates of ISO 8601.
+/// Reads the column of the time: numbers, or dates of ISO 8601, or times of day. Whole milliseconds may stand
+/// behind a third colon: "12:00:01:7".
 ///
 /// The unit is the told one, or the header's, or else the one of s, ms, us, ns and 100 ns in which rows
 /// are 2.5 to 50 ms apart, with a note. Frames are counted at the rate that the table says.
 ///
-/// @throws std::invalid_argument  when no unit fits
+/// @throws std::invalid_argument  when no unit fits, or no cell is a time
 TableTimes read_times(const AnyTable& table, std::size_t column, std::optional<double> told_unit_s,
                       std::string_view where, std::vector<std::string>& notes);
 

@@ -198,5 +198,53 @@ TEST(TimeOf, AMillisecondBehindAColonIsReadAndOtherTextRefused) {
     EXPECT_EQ(time_of(none, 1.0), std::nullopt) << none;
 }
 
+// A blank that does not break a line stood before "PM", and other words than English ones behind a time.
+TEST(TimeOf, AMomentBeforeOtherSignsThanThoseOfNumbersIsRead) {
+  const double afternoon = 15 * 3600.0 + 59 * 60.0 + 50.5;
+  for (const std::string_view same :
+       {"3:59:50.5\u202fPM", "3:59:50.5\u00a0PM", "3:59:50.5\u2009pm", "3:59:50.5\xa0PM",
+        "3:59:50.5?PM", "3:59:50.5 p.m.", "3:59:50.5\u00a0p.\u00a0m.", "15:59:50.5 \u0447.",
+        "15:59:50.5\u6642", "15:59:50.5 AMT", "15:59:50.5 Uhr"}) {
+    EXPECT_EQ(time_of(same, 1.0), afternoon) << same;
+  }
+  EXPECT_EQ(time_of("12:00:01\u202fa.m.", 1.0), 1.0);
+  for (const std::string_view none :
+       {"12:00:00.001.456", "12:00:00 5", "12:00:00;5", "12:00:00\u00a07"})
+    EXPECT_EQ(time_of(none, 1.0), std::nullopt) << none;
+}
+
+// A tenth of the rows was left out where milliseconds have no zeros before them.
+TEST(TableTime, BehindAThirdColonIsAWholeNumberOfMillisecondsOrMicroseconds) {
+  const auto read = [](const std::vector<std::string>& times) {
+    std::string text = "time,x,y,z\n";
+    for (const std::string& time : times) text += time + ",1,2,3\n";
+    std::vector<std::string> notes;
+    return read_times(read_any_table(text, "t.csv"), 0, {}, "t.csv", notes).of_row;
+  };
+  const auto expect = [&](const std::vector<std::string>& times, const std::vector<double>& each) {
+    const auto found = read(times);
+    ASSERT_EQ(found.size(), each.size());
+    for (std::size_t i = 0; i < each.size(); ++i)
+      EXPECT_NEAR(found[i].value_or(-1.0), 43200.0 + each[i], 1e-9) << times[i];
+  };
+  expect({"12:00:00:993", "12:00:01:7", "12:00:01:21", "12:00:02"}, {0.993, 1.007, 1.021, 2.0});
+  expect({"12:00:00:013", "12:00:00:027"}, {0.013, 0.027});
+  expect({"12:00:00:013456", "12:00:00:027456"}, {0.013456, 0.027456});
+  expect({"12:00:00:999456", "12:00:01:456"}, {0.999456, 1.000456});
+  // Numbers of frames, at 25 and at 120 a second.
+  EXPECT_EQ(complaint([&] {
+              read({"12:00:00:23", "12:00:00:24", "12:00:01:0"});
+            }),
+            "t.csv:2: time: '12:00:00:23' is no time");
+  EXPECT_EQ(complaint([&] {
+              read({"12:00:00:98", "12:00:00:119", "12:00:01:0"});
+            }),
+            "t.csv:2: time: '12:00:00:98' is no time");
+  EXPECT_EQ(complaint([&] {
+              read({"12:00:00.001.456", "12:00:00.012.456"});
+            }),
+            "t.csv:2: time: '12:00:00.001.456' is no time");
+}
+
 }  // namespace
 }  // namespace headpin::devices
