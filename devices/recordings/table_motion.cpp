@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <set>
 #include <stdexcept>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -89,7 +91,7 @@ class TableMotion {
     for (const std::string& missing : columns_.missing) tracks_.notes.push_back(missing);
     find_reading();
     look_like_degrees_ = angles_look_like_degrees(table_, columns_);
-    take_rows();
+    note(table_.rows.size() - rows_.size(), "rows have no time: ignored");
     require_one_recording();
     order_rows();
     for (std::size_t part = 0; part < 3; ++part) {
@@ -147,11 +149,11 @@ class TableMotion {
         reading.quaternion = order_of(part);
     }
     std::vector<std::string>& notes = tracks_.notes;
-    TableTimes times =
+    const TableTimes times =
         read_times(table_, *columns_.time, options_.reading.time_unit_s, where_, notes);
     reading.time_unit_s = times.unit_s;
-    times_ = std::move(times.of_row);
     reading_ = with(options_.reading, reading, where_);
+    rows_ = timed_rows(times, reading_.time_unit_s);
     tracks_.reading = reading_;
   }
 
@@ -183,32 +185,57 @@ class TableMotion {
   }
 
   /// The rows that have a time, in the order of the file.
-  void take_rows() {
-    std::size_t timeless = 0;
+  TimedRows timed_rows(const TableTimes& times, double unit_s) const {
+    TimedRows rows;
     for (std::size_t i = 0; i < table_.rows.size(); ++i) {
-      const double time_s = times_[i].value_or(NAN) * reading_.time_unit_s;
-      if (!(std::abs(time_s) < 1e11)) {
-        ++timeless;
-        continue;
-      }
-      rows_.emplace_back(microseconds(time_s), &table_.rows[i]);
+      const double time_s = times.of_row[i].value_or(NAN) * unit_s;
+      if (std::abs(time_s) < 1e11) rows.emplace_back(microseconds(time_s), &table_.rows[i]);
     }
-    note(timeless, "rows have no time: ignored");
+    return rows;
   }
 
-  /// Two recordings in one file would be mixed, sample by sample.
-  void require_one_recording() const {
+  /// Where a second recording begins in a file; samples of both would be mixed.
+  struct Restart {
+    std::size_t line;
+    Time time, before;
+  };
+
+  std::optional<Restart> restart_in(const TimedRows& all) const {
     for (std::size_t part = 0; part < 3; ++part) {
       if (!columns_.parts[part].tracked()) continue;
-      const TimedRows rows = rows_of(part);
-      std::vector<double> times_s;
-      for (const auto& row : rows) times_s.push_back(seconds(row.first));
-      if (const auto again = starts_again(times_s)) {
-        throw std::invalid_argument(fmt::format(
-            "{}:{}: the time starts again, at {:.3f} s after {:.3f} s: expected one recording",
-            where_, rows[*again].second->line, times_s[*again], times_s[*again - 1]));
-      }
+      TimedRows rows = rows_of(part, all);
+      std::erase_if(rows,
+                    [&](const auto& row) { return !place(*row.second, columns_.parts[part]); });
+      if (!starts_again(times_of(rows))) continue;
+      drop_repeated(rows);
+      if (const auto again = starts_again(times_of(rows)))
+        return Restart{rows[*again].second->line, rows[*again].first, rows[*again - 1].first};
     }
+    return std::nullopt;
+  }
+
+  static std::vector<double> times_of(const TimedRows& rows) {
+    std::vector<double> times_s;
+    for (const auto& row : rows) times_s.push_back(seconds(row.first));
+    return times_s;
+  }
+
+  /// Rows that a program wrote once more, cell by cell, are no second recording.
+  static void drop_repeated(TimedRows& rows) {
+    const auto by_cells = [](const AnyTable::Row* a, const AnyTable::Row* b) {
+      return a->cells < b->cells;
+    };
+    std::set<const AnyTable::Row*, decltype(by_cells)> seen(by_cells);
+    std::erase_if(rows, [&](const auto& row) { return !seen.insert(row.second).second; });
+  }
+
+  void require_one_recording() const {
+    const std::optional<Restart> restart = restart_in(rows_);
+    if (!restart) return;
+    throw std::invalid_argument(fmt::format(
+        "{}:{}: the time starts again, at {:.3f} s after {:.3f} s: expected one recording in a "
+        "file, or its rows in order of time",
+        where_, restart->line, seconds(restart->time), seconds(restart->before)));
   }
 
   /// Rows in order of time.
@@ -228,20 +255,20 @@ class TableMotion {
   }
 
   /// The rows of the stream that a column is of.
-  TimedRows rows_with(std::size_t column) const {
+  static TimedRows rows_with(std::size_t column, const TimedRows& all) {
     TimedRows rows;
-    for (const auto& row : rows_) {
+    for (const auto& row : all) {
       if (!row.second->cells[column].empty()) rows.push_back(row);
     }
     return rows;
   }
 
   /// The rows that have a part in them.
-  TimedRows rows_of(std::size_t part) const {
-    if (table_.of_streams) return rows_with(*columns_.parts[part].position[0]);
-    if (!columns_.object) return rows_;
+  TimedRows rows_of(std::size_t part, const TimedRows& all) const {
+    if (table_.of_streams) return rows_with(*columns_.parts[part].position[0], all);
+    if (!columns_.object) return all;
     TimedRows rows;
-    for (const auto& row : rows_) {
+    for (const auto& row : all) {
       if (row.second->cells[*columns_.object] == columns_.objects[part]) rows.push_back(row);
     }
     return rows;
@@ -249,7 +276,7 @@ class TableMotion {
 
   void read_part(std::size_t part) {
     const PartColumns& its = columns_.parts[part];
-    const TimedRows rows = rows_of(part);
+    const TimedRows rows = rows_of(part, rows_);
     const std::string order = angle_order();
     const bool degrees =
         options_.degrees.value_or(said_degrees(table_, its).value_or(look_like_degrees_));
@@ -293,8 +320,9 @@ class TableMotion {
     }
     if (its.rotation == RotationKind::none) tracks_.without_rotation.emplace_back(kPartNames[part]);
     if (part > 0 && its.trigger) {
-      tracks_.triggers[part - 1] = presses(
-          table_, *its.trigger, table_.of_streams ? rows_with(*its.trigger) : rows, tracks_.notes);
+      tracks_.triggers[part - 1] =
+          presses(table_, *its.trigger, table_.of_streams ? rows_with(*its.trigger, rows_) : rows,
+                  tracks_.notes);
     }
     tracks_.tracks.emplace_back(kPartNames[part], std::move(track));
   }
@@ -341,7 +369,6 @@ class TableMotion {
   const MotionOptions& options_;
   std::string_view where_;
   MotionColumns columns_;
-  std::vector<std::optional<double>> times_;
   TimedRows rows_;
   Reading reading_;
   std::array<Vec3, 3> units_m_ = {Vec3::Ones(), Vec3::Ones(),

@@ -36,8 +36,11 @@ std::optional<std::size_t> find_time(const AnyTable& table);
 TableTimes read_times(const AnyTable& table, std::size_t column, std::optional<double> told_unit_s,
                       std::string_view where, std::vector<std::string>& notes);
 
-/// The first of the rows, in the order of the file, with which the time starts again: it is more than half a
-/// second before the row above, and the rows below go on from there. A few rows in disorder are none.
+/// The first row, in the order of the file, of a second recording: it is more than half a second before those
+/// above it, and five or more rows from it on lie where rows above already follow each other without a gap.
+///
+/// Rows in another order are none: sorted by text, blocks that changed places, rows that are late or have a
+/// wrong time.
 std::optional<std::size_t> starts_again(std::span<const double> times_s);
 
 }  // namespace headpin::devices

@@ -2,7 +2,9 @@
 
 #include "devices/recordings/table_motion.h"
 
+#include <cstddef>
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -122,19 +124,25 @@ TEST(TableTime, ThatStartsAgainIsASecondRecording) {
     for (int i = 0; i < 40; ++i) text += at(from_s + 0.02 * i) + "\n";
     return text;
   };
-  EXPECT_EQ(refused(once_more(0.002)),
-            "t.csv:42: the time starts again, at 0.002 s after 0.780 s: expected one recording");
+  EXPECT_EQ(
+      refused(once_more(0.002)),
+      "t.csv:42: the time starts again, at 0.002 s after 0.780 s: expected one recording in a "
+      "file, or its rows in order of time");
   EXPECT_EQ(refused(once_more(0.8)), "");
 
   // The rows of one object may stand below those of another, but not twice.
   const std::string header = "object,time,x,y,z,qw,qx,qy,qz\n";
-  std::string one;
-  for (const char* object : {"head", "right"}) {
-    for (int i = 0; i < 40; ++i)
-      one += fmt::format("{},{:.2f},0,1.6,0,1,0,0,0\n", object, 0.02 * i);
-  }
-  EXPECT_EQ(refused(header + one), "");
-  EXPECT_THAT(refused(header + one + one), testing::StartsWith("t.csv:82: the time starts again"));
+  const auto both = [](double height) {
+    std::string text;
+    for (const char* object : {"head", "right"}) {
+      for (int i = 0; i < 40; ++i)
+        text += fmt::format("{},{:.2f},0,{},0,1,0,0,0\n", object, 0.02 * i, height);
+    }
+    return text;
+  };
+  EXPECT_EQ(refused(header + both(1.6)), "");
+  EXPECT_THAT(refused(header + both(1.6) + both(1.5)),
+              testing::StartsWith("t.csv:82: the time starts again"));
 
   // A few rows that are late are put in order.
   const MotionTracks late =
@@ -205,6 +213,102 @@ TEST(TableAngles, ThatNoColumnHasAreNotTold) {
   EXPECT_EQ(told({.degrees = false}),
             "t.csv: expected angles to read as rad; found other rotations, or none");
   EXPECT_EQ(told({.rotations = "none"}), "");
+}
+
+/// A table of rows at these times, in this order; the hand is as far to the right as the time says.
+std::string at_times(const std::vector<double>& times_s) {
+  std::string text = "time_s," + kPoses + "\n";
+  for (const double t : times_s)
+    text += fmt::format("{:.3f},0,1.6,0,1,0,0,0,{:.3f},1,0,1,0,0,0\n", t, t);
+  return text;
+}
+
+/// Times at 50 Hz from a moment on.
+std::vector<double> times_from(double begin_s, int rows) {
+  std::vector<double> times;
+  for (int i = 0; i < rows; ++i) times.push_back(begin_s + 0.02 * i);
+  return times;
+}
+
+std::vector<double> joined(std::vector<double> first, const std::vector<double>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
+/// The hand's samples; none, with a failure of the test, for a table that is refused.
+std::vector<Stamped<Pose>> hand_in(const std::string& text) {
+  try {
+    return track_of(parse_motion_table(text, "t.csv", {}), "right hand");
+  } catch (const std::invalid_argument& error) {
+    ADD_FAILURE() << error.what();
+    return {};
+  }
+}
+
+// Rows that a spreadsheet sorted by their text, blocks that changed places and one wrong time were taken for a
+// second recording.
+TEST(TableTime, OfRowsInAnotherOrderIsThatOfOneRecording) {
+  const std::vector<double> all = times_from(8.0, 200);  // from 8 to 12 s
+  const auto in_order = hand_in(at_times(all));
+  ASSERT_EQ(in_order.size(), 200u);
+  const auto part = [&](std::ptrdiff_t from, std::ptrdiff_t to) {
+    return std::vector<double>(all.begin() + from, all.begin() + to);
+  };
+  const auto expect_same = [&](const std::string& text, const char* what) {
+    const auto samples = hand_in(text);
+    ASSERT_EQ(samples.size(), in_order.size()) << what;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      EXPECT_EQ(samples[i].time, in_order[i].time) << what;
+      EXPECT_NEAR(samples[i].value.p.x(), seconds(samples[i].time), 1e-9) << what;
+    }
+  };
+  expect_same(at_times(joined(part(100, 200), part(0, 100))), "sorted by text: 10 before 8");
+  expect_same(at_times(joined(part(0, 60), joined(part(130, 200), part(60, 130)))), "blocks");
+  expect_same(at_times({all.rbegin(), all.rend()}), "the newest row first");
+  expect_same(at_times(all) + at_times(part(50, 120)).substr(at_times({}).size()),
+              "rows that were written once more");
+
+  std::vector<double> arrived, late;  // every seventh row at the end
+  for (std::size_t i = 0; i < all.size(); ++i) (i % 7 == 3 ? late : arrived).push_back(all[i]);
+  expect_same(at_times(joined(arrived, late)), "rows that were sent once more");
+
+  std::vector<double> stray = all;
+  stray[50] += 0.61;
+  EXPECT_EQ(hand_in(at_times(stray)).size(), 200u);
+  stray = all;
+  stray[50] -= 0.61;
+  stray[120] += 99.0;
+  EXPECT_EQ(hand_in(at_times(stray)).size(), 200u);
+}
+
+// Rows of one device may stand below all those of another, without a column that names it.
+TEST(TableTime, OfEachPartIsThatOfTheRowsWithItsSamples) {
+  std::string text = "time_s," + kPoses + "\n";
+  for (const double t : times_from(0.0, 60))
+    text += fmt::format("{:.3f},0,1.6,0,1,0,0,0,,,,,,,\n", t);
+  for (const double t : times_from(0.0, 60))
+    text += fmt::format("{:.3f},,,,,,,,0.2,1,0,1,0,0,0\n", t);
+  EXPECT_EQ(hand_in(text).size(), 60u);
+}
+
+// A short second recording, and one that begins before the first one, were sorted into it.
+TEST(TableTime, ThatComesBackToRowsAboveIsASecondRecording) {
+  const auto refused = [](const std::vector<double>& times_s) -> std::string {
+    try {
+      parse_motion_table(at_times(times_s), "t.csv", {});
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::vector<double> first = times_from(5.0, 200);
+  for (const double begin_s : {5.005, 6.005, 4.505}) {
+    EXPECT_THAT(refused(joined(first, times_from(begin_s, 200))),
+                testing::StartsWith(fmt::format(
+                    "t.csv:202: the time starts again, at {:.3f} s after 8.980 s", begin_s)));
+  }
+  EXPECT_THAT(refused(joined(first, times_from(7.005, 10))), testing::StartsWith("t.csv:202:"));
+  EXPECT_EQ(refused(joined(first, times_from(7.005, 4))), "");
 }
 
 }  // namespace
