@@ -76,6 +76,7 @@ class TableMotion {
         where_(where),
         columns_(find_columns(table, told_columns(), options.only_hand_is_left, where)) {
     tracks_.notes = table.notes;
+    choose_time();
     if (options.rotations == "none") {
       for (PartColumns& part : columns_.parts) part.rotation = RotationKind::none;
     }
@@ -112,6 +113,39 @@ class TableMotion {
       if (!name.empty()) told.push_back({kPartKeys[part], name + "*", options_.names_source});
     }
     return told;
+  }
+
+  /// Where the time starts again, as it does in each trial, another column that goes on is the time.
+  void choose_time() {
+    const bool told =
+        options_.reading.time_unit_s ||
+        std::ranges::find(options_.columns, "time", &ToldColumn::key) != options_.columns.end();
+    if (told || !columns_.time) return;
+    const std::size_t first = *columns_.time;
+    const std::vector<std::size_t> others = other_times(table_, first);
+    const TimedRows usual = others.empty() ? TimedRows{} : rows_timed_by(first);
+    if (!restart_in(usual)) return;
+    for (const std::size_t other : others) {
+      const TimedRows rows = rows_timed_by(other);
+      if (rows.size() < usual.size() || restart_in(rows)) continue;
+      ToldColumns also = told_columns();
+      also.push_back({"time", fmt::format("#{}", other + 1)});
+      columns_ = find_columns(table_, also, options_.only_hand_is_left, where_);
+      tracks_.notes.push_back(fmt::format("the time '{}' starts again: '{}' is read instead",
+                                          table_.columns[first].name, table_.columns[other].name));
+      return;
+    }
+  }
+
+  /// The rows by the times of a column; none if its unit is not known.
+  TimedRows rows_timed_by(std::size_t column) const {
+    std::vector<std::string> notes;
+    try {
+      const TableTimes times = read_times(table_, column, {}, where_, notes);
+      return timed_rows(times, times.unit_s);
+    } catch (const std::invalid_argument&) {
+      return {};
+    }
   }
 
   void require_columns() const {
@@ -232,10 +266,14 @@ class TableMotion {
   void require_one_recording() const {
     const std::optional<Restart> restart = restart_in(rows_);
     if (!restart) return;
+    std::string others;
+    for (const std::size_t other : other_times(table_, *columns_.time))
+      others += (others.empty() ? "" : ", ") + table_.columns[other].name;
+    if (!others.empty()) others = fmt::format("; other columns of a time: {}", others);
     throw std::invalid_argument(fmt::format(
         "{}:{}: the time starts again, at {:.3f} s after {:.3f} s: expected one recording in a "
-        "file, or its rows in order of time",
-        where_, restart->line, seconds(restart->time), seconds(restart->before)));
+        "file, or its rows in order of time{}",
+        where_, restart->line, seconds(restart->time), seconds(restart->before), others));
   }
 
   /// Rows in order of time.

@@ -283,6 +283,33 @@ class TimeReader {
   std::vector<std::string>& notes_;
 };
 
+using TimeNames = std::array<std::string_view, 4>;
+
+/// The best names first.
+constexpr std::array<TimeNames, 3> kTimeNames = {{{"time", "timestamp", "t", "elapsed"},
+                                                  {"timestamps", "seconds", "sec", "utc"},
+                                                  {"frame", "sample", "frames", "index"}}};
+
+bool counts_frames(const TimeNames& names) {
+  return names.front() == "frame";
+}
+
+/// The columns that have one of the names.
+std::vector<std::size_t> named_times(const AnyTable& table, const TimeNames& names) {
+  std::vector<std::size_t> found;
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    const std::vector<std::string> words = words_of(table.columns[c].last);
+    const bool named = std::ranges::any_of(words, [&](const std::string& word) {
+      return std::ranges::find(names, word) != names.end();
+    });
+    // "time_frame" is a number of frames.
+    const bool frames = !counts_frames(names) && std::ranges::find(words, "frame") != words.end();
+    if (named && !frames && component_of(table.columns[c].name).quantity == Quantity::none)
+      found.push_back(c);
+  }
+  return found;
+}
+
 /// The share of rows in which a column's time advances, less those in which it goes back. It is about 0
 /// for the time since the row before.
 double advance(const AnyTable& table, std::size_t column) {
@@ -387,27 +414,24 @@ std::optional<double> time_of(std::string_view cell, double unit_s) {
 }
 
 std::optional<std::size_t> find_time(const AnyTable& table) {
-  // The best name first.
-  constexpr std::array<std::array<std::string_view, 4>, 3> kNames = {
-      {{"time", "timestamp", "t", "elapsed"},
-       {"timestamps", "seconds", "sec", "utc"},
-       {"frame", "sample", "frames", "index"}}};
-  for (const auto& names : kNames) {
-    std::vector<std::size_t> found;
-    for (std::size_t c = 0; c < table.columns.size(); ++c) {
-      const std::vector<std::string> words = words_of(table.columns[c].last);
-      const bool named = std::ranges::any_of(words, [&](const std::string& word) {
-        return std::ranges::find(names, word) != names.end();
-      });
-      // "time_frame" is a number of frames.
-      const bool frames =
-          &names != &kNames.back() && std::ranges::find(words, "frame") != words.end();
-      if (named && !frames && component_of(table.columns[c].name).quantity == Quantity::none)
-        found.push_back(c);
-    }
-    if (const auto best = most_advancing(table, found)) return best;
+  for (const TimeNames& names : kTimeNames) {
+    if (const auto best = most_advancing(table, named_times(table, names))) return best;
   }
   return std::nullopt;
+}
+
+std::vector<std::size_t> other_times(const AnyTable& table, std::size_t column) {
+  const double half = 0.5 * advance(table, column);
+  std::vector<std::size_t> others;
+  for (const TimeNames& names : kTimeNames) {
+    if (counts_frames(names)) continue;
+    for (const std::size_t other : named_times(table, names)) {
+      if (other == column || std::ranges::find(others, other) != others.end()) continue;
+      if (const double its = advance(table, other); its > 0.0 && its >= half)
+        others.push_back(other);
+    }
+  }
+  return others;
 }
 
 TableTimes read_times(const AnyTable& table, std::size_t column, std::optional<double> told_unit_s,

@@ -26,6 +26,10 @@ std::optional<double> time_of(std::string_view cell, double unit_s);
 /// since the row before does not.
 std::optional<std::size_t> find_time(const AnyTable& table);
 
+/// The other columns that are a time by their names and advance as one; the best name first. Numbers of frames
+/// are none.
+std::vector<std::size_t> other_times(const AnyTable& table, std::size_t column);
+
 /// Reads the column of the time: numbers, or dates of ISO 8601, or times of day. Whole milliseconds may stand
 /// behind a third colon: "12:00:01:7".
 ///

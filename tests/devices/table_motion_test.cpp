@@ -311,5 +311,38 @@ TEST(TableTime, ThatComesBackToRowsAboveIsASecondRecording) {
   EXPECT_EQ(refused(joined(first, times_from(7.005, 4))), "");
 }
 
+// A table was refused for a time that starts again at each cue, though it has the clock beside it.
+TEST(TableTime, ThatStartsAgainIsPassedOverForAnotherThatGoesOn) {
+  const auto table = [](const char* clock, int from) {
+    return rows(fmt::format("trial_time_s,{},{}", clock, kPoses), [&](int i) {
+      const int of_trial = i < 25 ? i : i - 25;
+      return fmt::format("{:.2f},{:.2f},{}", 0.04 * of_trial,
+                         100.0 + 0.04 * (i < from ? i : of_trial), kPose);
+    });
+  };
+  const MotionTracks read = parse_motion_table(table("unix_time_s", 40), "t.csv", {});
+  ASSERT_EQ(track_of(read, "head").size(), 40u);
+  EXPECT_EQ(track_of(read, "head").front().time, Time{100'000'000});
+  EXPECT_EQ(track_of(read, "head").back().time, Time{101'560'000});
+  EXPECT_THAT(read.notes,
+              Contains("the time 'trial_time_s' starts again: 'unix_time_s' is read instead"));
+  const ToldColumns found = inspect_table(table("unix_time_s", 40), "t.csv", {}).mapping;
+  EXPECT_EQ(found.at(0).column, "unix_time_s");
+
+  const auto refused = [](const std::string& text, const MotionOptions& options) -> std::string {
+    try {
+      parse_motion_table(text, "t.csv", options);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string others = "in order of time; other columns of a time: unix_time_s";
+  EXPECT_THAT(refused(table("unix_time_s", 40), {.columns = {{"time", "trial_time_s"}}}),
+              testing::EndsWith(others));
+  EXPECT_THAT(refused(table("unix_time_s", 25), {}), testing::EndsWith(others));
+  EXPECT_THAT(refused(table("remark", 40), {}), testing::EndsWith("in order of time"));
+}
+
 }  // namespace
 }  // namespace headpin::devices
