@@ -93,6 +93,7 @@ class TableMotion {
     find_reading();
     look_like_degrees_ = angles_look_like_degrees(table_, columns_);
     note(table_.rows.size() - rows_.size(), "rows have no time: ignored");
+    leave_out_strays();
     require_one_recording();
     order_rows();
     for (std::size_t part = 0; part < 3; ++part) {
@@ -274,6 +275,16 @@ class TableMotion {
         "{}:{}: the time starts again, at {:.3f} s after {:.3f} s: expected one recording in a "
         "file, or its rows in order of time{}",
         where_, restart->line, seconds(restart->time), seconds(restart->before), others));
+  }
+
+  void leave_out_strays() {
+    const std::vector<double> times_s = times_of(rows_);
+    TimedRows kept;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      if (!is_stray(times_s, i)) kept.push_back(rows_[i]);
+    }
+    note(rows_.size() - kept.size(), "rows have a time far from those around them: ignored");
+    rows_ = std::move(kept);
   }
 
   /// Rows in order of time.

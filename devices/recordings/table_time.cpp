@@ -439,6 +439,16 @@ TableTimes read_times(const AnyTable& table, std::size_t column, std::optional<d
   return TimeReader(table, column, told_unit_s, where, notes).read();
 }
 
+bool is_stray(std::span<const double> times_s, std::size_t row) {
+  constexpr double kFar_s = 0.5, kLongest_s = 0.2;
+  if (row < 2 || row + 2 >= times_s.size()) return false;
+  const double above = times_s[row - 1], below = times_s[row + 1];
+  const double off = std::min(std::abs(times_s[row] - above), std::abs(times_s[row] - below));
+  const double step = std::max(above - times_s[row - 2], times_s[row + 2] - below);
+  const double hole = below - above;
+  return off > kFar_s && step > 0.0 && hole > 1.5 * step && hole < kLongest_s;
+}
+
 std::optional<std::size_t> starts_again(std::span<const double> times_s) {
   constexpr double kStepBack_s = 0.5;
   constexpr int kSeveral = 5;

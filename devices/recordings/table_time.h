@@ -40,6 +40,10 @@ std::vector<std::size_t> other_times(const AnyTable& table, std::size_t column);
 TableTimes read_times(const AnyTable& table, std::size_t column, std::optional<double> told_unit_s,
                       std::string_view where, std::vector<std::string>& notes);
 
+/// Whether a row has a wrong time: it is more than half a second from those above and below it, between which one
+/// row is missing. A row that is late is missing elsewhere.
+bool is_stray(std::span<const double> times_s, std::size_t row);
+
 /// The first row, in the order of the file, of a second recording: it is more than half a second before those
 /// above it, and five or more rows from it on lie where rows above already follow each other without a gap.
 ///
