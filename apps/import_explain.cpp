@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,7 @@
 #include "apps/streams.h"
 #include "base/output_file.h"
 #include "scene/people/throw.h"
+#include "scene/people/throw_checks.h"
 
 namespace headpin::apps {
 namespace {
@@ -72,9 +74,16 @@ Vec3 lane_of(const MotionRecording& r, const scene::Hand& hand, scene::Side side
   return level.norm() > 0.0 ? Vec3(level.normalized()) : Vec3(-Vec3::UnitZ());
 }
 
+void judge_head(const ImportOptions& options, Explained& found) {
+  MotionRecording& r = *found.recording;
+  std::ranges::move(scene::doubts_about_head(r), std::back_inserter(r.notes));
+  if (const std::string why = scene::why_no_head(r); !why.empty())
+    found.problem = fmt::format("{}: not a person's head: {}", options.file, why);
+}
+
 void judge(const ImportOptions& options, const scene::Hand& hand, Explained& found) {
   const MotionRecording& r = *found.recording;
-  if (r.left_hand.empty() && r.right_hand.empty()) return;
+  if (r.left_hand.empty() && r.right_hand.empty()) return judge_head(options, found);
   const Thrown thrown = thrown_in(r, options, hand);
   const std::optional<Refusal> refused = refusal(options, thrown, hand);
   if (refused) {

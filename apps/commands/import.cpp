@@ -157,7 +157,9 @@ scene::Recorder recorder_for(const ImportOptions& options, const scene::Scenario
 /// Imports a recording of the head alone: nothing is thrown.
 void import_head(const ImportOptions& options, const scene::Scenario& base,
                  const devices::MotionRecording& recording) {
-  for (const std::string& note : recording.notes) {
+  std::vector<std::string> notes = recording.notes;
+  std::ranges::move(scene::doubts_about_head(recording), std::back_inserter(notes));
+  for (const std::string& note : notes) {
     say("headpin import: {}: {}\n", printable(options.file), printable(note));
   }
   if (const std::string why = scene::why_no_head(recording); !why.empty()) {
@@ -165,7 +167,7 @@ void import_head(const ImportOptions& options, const scene::Scenario& base,
   }
   scene::Recorder recorder =
       recorder_for(options, scene::stand_onlooker(base, recording, heading(options.heading)));
-  std::vector<scene::Event> events = origin(options, recording, 0, recording.notes);
+  std::vector<scene::Event> events = origin(options, recording, 0, notes);
   std::ranges::move(not_measured(recording), std::back_inserter(events));
   events.push_back(said(scene::kind::not_measured, recording, "the hands: nothing is thrown"));
   scene::write(recorder, scene::head_samples(recording), events);

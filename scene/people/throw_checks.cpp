@@ -23,6 +23,7 @@ constexpr double kShortestReach = 0.5, kLongestReach = 1.25;  // m, head to hand
 constexpr double kFastestHand = 10.5;                         // m/s, hand at its fastest
 constexpr double kSlowestTriggered = 1.0;                     // m/s, ball as the trigger says
 constexpr double kFastestHead = 3.0;                          // m/s
+constexpr double kMostFastHead = 0.1;  // share of the time in which a head alone may be faster
 constexpr double kLeastUpright = 0.7;  // cosine of the head's mean tilt before the release
 constexpr double kMostRoll = 0.4;      // sine of the head's roll, but for a tenth of the time
 constexpr double kMostUpward = 0.2;    // sine of its mean gaze upward: the target is on the floor
@@ -336,14 +337,60 @@ std::vector<std::string> doubts(const MotionRecording& r, const Throw& found) {
   return said;
 }
 
+namespace {
+
+/// How often a head is too fast, and its fastest motion.
+struct HeadSpeed {
+  double share = 0.0;    ///< of all moments, above kFastestHead
+  double fastest = 0.0;  ///< [m/s]
+  Time at{};
+};
+
+/// Measured over kHeadOver or a little more, so that times of arrival, in bursts, do not make a head fast. Of two
+/// neighbouring ends the faster one counts: in two recordings whose samples alternate, one of both is of the other
+/// recording.
+HeadSpeed speed_of_head(const MotionRecording& r) {
+  constexpr Time kHeadOver{50'000};
+  HeadSpeed found;
+  std::size_t end = 0, moments = 0, fast = 0;
+  for (std::size_t i = 0; i < r.times.size(); ++i) {
+    while (end < r.times.size() && r.times[end] - r.times[i] < kHeadOver) ++end;
+    if (end == r.times.size()) break;
+    double speed = 0.0;
+    for (std::size_t k = end; k < std::min(end + 2, r.times.size()); ++k) {
+      const double over = seconds(r.times[k] - r.times[i]);
+      speed = std::max(speed, (r.head[k].p - r.head[i].p).norm() / over);
+    }
+    ++moments;
+    if (!(speed <= kFastestHead)) ++fast;
+    if (speed > found.fastest) found.fastest = speed, found.at = r.times[i];
+  }
+  if (moments > 0) found.share = static_cast<double>(fast) / static_cast<double>(moments);
+  return found;
+}
+
+}  // namespace
+
 std::string why_no_head(const MotionRecording& r) {
   const double height = r.head.front().p.y();
   if (!(height > 1.0 && height < 2.2))
     return fmt::format("it is up {:.3g} m at first, expected 1 to 2.2", height);
-  const double speed = r.times.size() > 1 ? fastest(r, r.head) : 0.0;
-  if (!(speed <= kFastestHead))
-    return fmt::format("its fastest is {:.3g} m/s, expected 0 to {}", speed, kFastestHead);
+  const HeadSpeed speed = speed_of_head(r);
+  if (speed.share > kMostFastHead) {
+    return fmt::format(
+        "it is faster than {} m/s in {:.0f} % of the time (the fastest is {:.3g} m/s, at {:.3f} "
+        "s), expected at most {:.0f} %; two recordings in one file look like this",
+        kFastestHead, 100.0 * speed.share, speed.fastest, seconds(speed.at), 100.0 * kMostFastHead);
+  }
   return "";
+}
+
+std::vector<std::string> doubts_about_head(const MotionRecording& r) {
+  const HeadSpeed speed = speed_of_head(r);
+  if (speed.share == 0.0 || speed.share > kMostFastHead) return {};
+  return {fmt::format(
+      "the head's fastest is {:.3g} m/s, at {:.3f} s: above {} m/s it is no person's motion",
+      speed.fastest, seconds(speed.at), kFastestHead)};
 }
 
 Side throwing_side(const MotionRecording& r, const Hand& hand) {

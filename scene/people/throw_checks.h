@@ -16,9 +16,13 @@ namespace headpin::scene {
 std::vector<std::string> why_no_throw(const devices::MotionRecording& recording, const Hand& hand,
                                       Side side = Side::right);
 
-/// The reason why a recording of a head alone is not that of a person's: how high it is at first, or how fast it
-/// moves. Empty for a person's head.
+/// The reason why a recording of a head alone is not that of a person's: how high it is at first, or that it is too
+/// fast for much of the time, measured over 50 ms. Empty for a person's head.
 std::string why_no_head(const devices::MotionRecording& recording);
+
+/// When the head of such a recording is too fast for a person, if it seldom is: a sentence. Empty for a good
+/// recording.
+std::vector<std::string> doubts_about_head(const devices::MotionRecording& recording);
 
 /// Reasons why the release is less accurate: a low sample rate, long gaps, repeated poses. Sentences; empty for a
 /// good recording.

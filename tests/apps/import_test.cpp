@@ -1,7 +1,10 @@
 // Recordings of other programs that `headpin import` makes trials of.
 
 #include <bit>
+#include <cmath>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -258,16 +261,50 @@ TEST_F(TrialCommands, RotationsThatAreNotReadAreSoInTheFileOfColumns) {
   EXPECT_THAT(slurp(folder_ / "angles.toml"), HasSubstr("rotations = 'none'"));
 }
 
+/// A table of a head alone that is at x, for each time.
+std::string head_at(const std::vector<std::pair<double, double>>& times_and_x) {
+  std::string text = "time_s,head_x,head_y,head_z,head_qw,head_qx,head_qy,head_qz\n";
+  for (const auto& [time, x] : times_and_x)
+    text += fmt::format("{:.4f},{:.5f},1.7,0,1,0,0,0\n", time, x);
+  return text;
+}
+
 // Two recordings whose times alternate became a head that jumps by metres.
 TEST_F(TrialCommands, AHeadAloneThatIsTooFastIsNoPersons) {
-  std::string text = "time,head_x,head_y,head_z,head_qw,head_qx,head_qy,head_qz\n";
-  for (int i = 0; i < 200; ++i)
-    text += fmt::format("{:.2f},{},1.7,0,1,0,0,0\n", 0.01 * i, i / 50 % 2);
-  spit(folder_ / "jumps.csv", text);
-  const Result refused = headpin("import jumps.csv -o OUT.lcmlog --hand none");
-  EXPECT_EQ(refused.code, 1);
-  EXPECT_THAT(refused.err, HasSubstr("not a person's head: its fastest is 50 m/s"));
-  EXPECT_FALSE(fs::exists(folder_ / "OUT.lcmlog"));
+  for (const double rate_hz : {100.0, 120.0, 160.0}) {
+    std::vector<std::pair<double, double>> alternating;
+    for (int i = 0; i < 400; ++i) alternating.emplace_back(i / rate_hz, i % 2);
+    spit(folder_ / "jumps.csv", head_at(alternating));
+    const Result refused = headpin("import jumps.csv -o OUT.lcmlog --hand none");
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_THAT(refused.err,
+                HasSubstr("not a person's head: it is faster than 3 m/s in 100 % of the time"));
+    EXPECT_FALSE(fs::exists(folder_ / "OUT.lcmlog"));
+    EXPECT_THAT(headpin("import jumps.csv --hand none --explain").out,
+                HasSubstr("result             jumps.csv: not a person's head"));
+  }
+}
+
+// One sample that was measured wrongly refused a whole recording, and so did times of arrival.
+TEST_F(TrialCommands, AHeadAloneMayBeWrongInAFewSamplesOrDatedAsItArrived) {
+  const auto sways = [](double t) { return 0.3 * std::sin(1.8 * t); };  // 0.54 m/s at most
+  std::vector<std::pair<double, double>> glitch, bursts;
+  for (int i = 0; i < 900; ++i) {
+    const double t = i / 90.0;
+    glitch.emplace_back(t, sways(t) + (i == 540 ? 0.3 : 0.0));  // at 6 s
+    bursts.emplace_back(i / 4 * 4 / 90.0 + i % 4 * 0.0003, sways(t));
+  }
+  spit(folder_ / "glitch.csv", head_at(glitch));
+  spit(folder_ / "bursts.csv", head_at(bursts));
+  const Result noted = headpin("import glitch.csv -o glitch.lcmlog --hand none");
+  EXPECT_EQ(noted.code, 0) << noted.err;
+  EXPECT_THAT(noted.err, HasSubstr("the head's fastest is "));
+  EXPECT_THAT(noted.err, HasSubstr("above 3 m/s it is no person's motion"));
+  EXPECT_THAT(headpin("import glitch.csv --hand none --explain").out,
+              HasSubstr("note               the head's fastest is "));
+  const Result plain = headpin("import bursts.csv -o bursts.lcmlog --hand none");
+  EXPECT_EQ(plain.code, 0) << plain.err;
+  EXPECT_THAT(plain.err, Not(HasSubstr("the head's fastest is ")));
 }
 
 // The order of the angles was not in the file of columns where another part has a quaternion.
