@@ -111,7 +111,7 @@ Explained find_out(const ImportOptions& options, const scene::Hand& hand) {
   const devices::MotionOptions motion = declared(options);
   try {
     if (has_columns(options.file)) found.table = inspect_declared(options.file, motion);
-    found.recording = read_declared(options.file, motion);
+    found.recording = recording_in(options, hand);
     judge(options, hand, found);
   } catch (const std::invalid_argument& error) {
     found.problem = error.what();

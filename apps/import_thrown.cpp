@@ -57,6 +57,11 @@ void take_events(const ImportOptions& options, devices::MotionRecording& recordi
 
 }  // namespace
 
+devices::MotionRecording recording_in(const ImportOptions& options, const scene::Hand& hand) {
+  return scene::in_likely_units(read_declared(options.file, declared(options)), hand,
+                                options.hand == "none");
+}
+
 Thrown thrown_in(devices::MotionRecording recording, const ImportOptions& options,
                  const scene::Hand& hand) {
   Thrown thrown;

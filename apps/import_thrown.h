@@ -18,6 +18,9 @@ struct Thrown {
   std::vector<std::string> notes;  ///< parts of the file that were left out
 };
 
+/// The file, read as the options say it; throws as read_declared().
+devices::MotionRecording recording_in(const ImportOptions& options, const scene::Hand& hand);
+
 /// The throw of --throw, or the whole recording; with grab and release of --events.
 /// @throws UsageError             the recording has fewer throws
 /// @throws std::invalid_argument  no events, or times beyond the recording

@@ -197,11 +197,9 @@ std::string unless_tracked(const scene::Throw& found) {
 /// Imports one throw. Seconds are rounded to the stamp: 3.035 and not 3.0349999999999997.
 void import_throw(const ImportOptions& options) {
   const scene::Scenario base = room_of(options);
-  if (options.hand == "none") {
-    return import_head(options, base, read_declared(options.file, declared(options)));
-  }
-  const Thrown thrown =
-      thrown_in(read_declared(options.file, declared(options)), options, base.hand);
+  devices::MotionRecording read = recording_in(options, base.hand);
+  if (options.hand == "none") return import_head(options, base, read);
+  const Thrown thrown = thrown_in(std::move(read), options, base.hand);
   const devices::MotionRecording& recording = thrown.recording;
   if (const std::optional<Refusal> refused = refusal(options, thrown, base.hand)) {
     const std::string noted =

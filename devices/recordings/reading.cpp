@@ -45,6 +45,8 @@ Reading with(const ToldReading& told, Reading reading, std::string_view where) {
   if (told.unit_m) {
     reading.unit_m = *told.unit_m;
     reading.own_units = false;
+    reading.without_unit = {};
+    reading.other_units_m.clear();
   }
   if (told.axes) reading.axes = reading.turning = *told.axes;
   if (told.turning) reading.turning = *told.turning;

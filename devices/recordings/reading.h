@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/math.h"
 
@@ -52,6 +53,10 @@ struct Reading {
   std::string angles = {};
   bool inverted = false;   ///< rotations are from the room to the head or hand
   bool own_units = false;  ///< the file says several units of positions; unit_m is one of them
+  /// Of head, left and right hand: its positions are read in unit_m, which other parts of the file say, and it does
+  /// not; they may be in one of other_units_m [m].
+  std::array<bool, 3> without_unit = {};
+  std::vector<double> other_units_m = {};
 
   bool operator==(const Reading&) const = default;
 };

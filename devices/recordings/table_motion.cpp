@@ -18,6 +18,7 @@
 #include "devices/recordings/table_rotation.h"
 #include "devices/recordings/table_time.h"
 #include "devices/recordings/table_trigger.h"
+#include "devices/recordings/table_units.h"
 
 namespace headpin::devices {
 namespace {
@@ -27,17 +28,6 @@ bool is_catalogue(const AnyTable& table) {
     return std::ranges::find(table.columns, name, &FoundColumn::name) != table.columns.end();
   };
   return has("delta_time_ms") && has("head_pos_x");
-}
-
-std::optional<double> metres_of(std::string_view unit) {
-  if (is_one_of(unit, {"m", "meter", "meters", "metre", "metres"})) return 1.0;
-  if (is_one_of(unit, {"cm", "centimeter", "centimeters", "centimetre", "centimetres"}))
-    return 0.01;
-  if (is_one_of(unit, {"mm", "millimeter", "millimeters", "millimetre", "millimetres"}))
-    return 0.001;
-  if (is_one_of(unit, {"in", "inch", "inches"})) return 0.0254;
-  if (is_one_of(unit, {"ft", "foot", "feet"})) return 0.3048;
-  return std::nullopt;
 }
 
 /// Whether the angles of a part are in degrees, as a unit in the table says it; none without a unit.
@@ -177,7 +167,8 @@ class TableMotion {
 
   void find_reading() {
     Reading& reading = tracks_.reading;
-    find_units(reading);
+    units_m_ = position_units(table_, columns_, is_catalogue(table_) ? 0.01 : 1.0, reading);
+    if (const auto told = options_.reading.unit_m) units_m_.fill(Vec3::Constant(*told));
     if (table_.kind == "Vicon") reading.axes = reading.turning = "RAS";  // z up
     for (const PartColumns& part : columns_.parts) {
       if (part.tracked() && part.rotation == RotationKind::quaternion)
@@ -190,33 +181,6 @@ class TableMotion {
     reading_ = with(options_.reading, reading, where_);
     rows_ = timed_rows(times, reading_.time_unit_s);
     tracks_.reading = reading_;
-  }
-
-  /// The unit of each column of a position; one that says none has that of the first that says one.
-  void find_units(Reading& reading) {
-    const double of_table =
-        metres_of(table_.fact("length units")).value_or(is_catalogue(table_) ? 0.01 : 1.0);
-    std::array<std::array<std::optional<double>, 3>, 3> said;
-    std::optional<double> first;
-    for (std::size_t part = 0; part < 3; ++part) {
-      for (std::size_t i = 0; i < 3; ++i) {
-        const auto& column = columns_.parts[part].position[i];
-        if (!column) continue;
-        said[part][i] = metres_of(unit_of(table_.columns[*column]));
-        if (!first) first = said[part][i];
-      }
-    }
-    reading.unit_m = first.value_or(of_table);
-    for (std::size_t part = 0; part < 3; ++part) {
-      const auto of_part =
-          std::ranges::find_if(said[part], [](const auto& one) { return one.has_value(); });
-      const double usual = of_part == said[part].end() ? reading.unit_m : **of_part;
-      for (std::size_t i = 0; i < 3; ++i) {
-        const double unit_m = said[part][i].value_or(usual);
-        units_m_[part][static_cast<Eigen::Index>(i)] = options_.reading.unit_m.value_or(unit_m);
-        reading.own_units = reading.own_units || unit_m != reading.unit_m;
-      }
-    }
   }
 
   /// The rows that have a time, in the order of the file.

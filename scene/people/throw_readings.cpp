@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <initializer_list>
+#include <span>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "scene/people/throw_checks.h"
 #include "scene/people/throw_motion.h"
@@ -22,13 +25,25 @@ struct Candidate {
   std::string what;
 };
 
+using NamedUnit = std::pair<double, std::string_view>;
+
+constexpr std::array<NamedUnit, 5> kLengths = {{{0.01, "in centimetres"},
+                                                {1.0, "in metres"},
+                                                {0.001, "in millimetres"},
+                                                {0.0254, "in inches"},
+                                                {0.3048, "in feet"}}};
+constexpr std::array<NamedUnit, 4> kTimes = {{{1.0, "with time in seconds"},
+                                              {1e-3, "with time in milliseconds"},
+                                              {1e-6, "with time in microseconds"},
+                                              {1e-9, "with time in nanoseconds"}}};
+
 /// Other values of one number of a reading.
 std::vector<Candidate> others(const Reading& was, double Reading::*number,
-                              std::initializer_list<std::pair<double, const char*>> values) {
+                              std::span<const NamedUnit> values) {
   std::vector<Candidate> all;
   for (const auto& [value, what] : values) {
     if (value == was.*number) continue;
-    all.push_back({was, what});
+    all.push_back({was, std::string(what)});
     all.back().reading.*number = value;
   }
   return all;
@@ -36,20 +51,11 @@ std::vector<Candidate> others(const Reading& was, double Reading::*number,
 
 std::vector<Candidate> other_units(const Reading& was) {
   if (was.own_units) return {};
-  return others(was, &Reading::unit_m,
-                {{0.01, "in centimetres"},
-                 {1.0, "in metres"},
-                 {0.001, "in millimetres"},
-                 {0.0254, "in inches"},
-                 {0.3048, "in feet"}});
+  return others(was, &Reading::unit_m, kLengths);
 }
 
 std::vector<Candidate> other_times(const Reading& was) {
-  return others(was, &Reading::time_unit_s,
-                {{1.0, "with time in seconds"},
-                 {1e-3, "with time in milliseconds"},
-                 {1e-6, "with time in microseconds"},
-                 {1e-9, "with time in nanoseconds"}});
+  return others(was, &Reading::time_unit_s, kTimes);
 }
 
 std::vector<Candidate> other_quaternions(const Reading& was) {
@@ -161,7 +167,61 @@ MotionRecording around_the_throw(const MotionRecording& r, Side side) {
   return samples_of(r, begin, begin + kMost);
 }
 
+/// The recording with the positions that say no unit in another one.
+MotionRecording with_unit(MotionRecording r, double unit_m) {
+  const std::array<std::vector<Pose>*, 3> parts = {&r.head, &r.left_hand, &r.right_hand};
+  for (std::size_t part = 0; part < 3; ++part) {
+    if (!r.reading.without_unit[part]) continue;
+    for (Pose& pose : *parts[part])
+      pose.p = r.p_origin + unit_m / r.reading.unit_m * (pose.p - r.p_origin);
+  }
+  r.reading.own_units = true;
+  r.reading.without_unit = {};
+  return r;
+}
+
+/// Whether one of the recording's throws, by the motion of either hand, is a person's.
+bool has_throw(MotionRecording r, const Hand& hand) {
+  r.triggers = {};
+  for (const Side side : {Side::right, Side::left}) {
+    if (r.times.size() < devices::kFewestSamples || throwing_hand(r, side).empty()) continue;
+    const std::vector<MotionRecording> throws = split_throws(r, side);
+    if (std::ranges::any_of(throws,
+                            [&](const auto& one) { return why_no_throw(one, hand, side).empty(); }))
+      return true;
+  }
+  return false;
+}
+
 }  // namespace
+
+MotionRecording in_likely_units(MotionRecording r, const Hand& hand, bool head_alone) {
+  constexpr std::array<std::string_view, 3> kParts = {"the head", "the left hand",
+                                                      "the right hand"};
+  if (!r.head_moves) r.reading.without_unit[0] = false;  // its place was told
+  std::vector<std::string_view> unsaid;
+  for (std::size_t part = 0; part < 3; ++part) {
+    if (r.reading.without_unit[part]) unsaid.push_back(kParts[part]);
+  }
+  if (unsaid.empty()) return r;
+  const auto is_persons = [&](const MotionRecording& one) {
+    return head_alone ? why_no_head(one).empty() : has_throw(one, hand);
+  };
+  double unit_m = r.reading.unit_m;
+  if (!is_persons(r)) {
+    for (const double other_m : r.reading.other_units_m) {
+      MotionRecording other = with_unit(r, other_m);
+      if (!is_persons(other)) continue;
+      unit_m = other_m;
+      r = std::move(other);
+      break;
+    }
+  }
+  const auto named = std::ranges::find(kLengths, unit_m, &NamedUnit::first);
+  r.notes.push_back(fmt::format("positions of {} have no unit: read {}", fmt::join(unsaid, " and "),
+                                named->second));
+  return r;
+}
 
 MotionRecording read_again(MotionRecording r, const Reading& reading) {
   const devices::Again again(r.reading, reading, "the recording");

@@ -32,6 +32,13 @@ void require_throw(const devices::MotionRecording& recording, const Hand& hand,
 std::optional<devices::Reading> reading_of_a_throw(const devices::MotionRecording& recording,
                                                    const Hand& hand, Side side, std::string& what);
 
+/// A recording of which a part says no unit of positions, beside others that say one: in that unit, or in another
+/// one where it is a person's only so; with a note. Others are returned unchanged.
+///
+/// @param head_alone  the hands do not count
+devices::MotionRecording in_likely_units(devices::MotionRecording recording, const Hand& hand,
+                                         bool head_alone);
+
 /// A reading in other axes, units and so on, of the same recording.
 devices::MotionRecording read_again(devices::MotionRecording recording,
                                     const devices::Reading& reading);

@@ -346,5 +346,72 @@ TEST_F(TrialCommands, ACatalogueFileThatWasCutOutOfALongerOneBeginsAtZero) {
   EXPECT_NEAR(trial("late.lcmlog").events.front().value, 100.001, 1e-9);
 }
 
+/// The bundled throw as a table of another program: its positions in units that some headers say.
+struct UnitsOfParts {
+  double head_m = 1.0, hands_m = 1.0;
+  std::string head = {}, hands = {};  ///< as in the header: " [mm]"
+};
+
+std::string example_in(const UnitsOfParts& units) {
+  std::istringstream lines(slurp(HEADPIN_SOURCE_DIR "/assets/throws/example.csv"));
+  std::string line, table;
+  std::vector<std::string> names;
+  while (std::getline(lines, line)) {
+    std::istringstream cells(line);
+    std::string cell;
+    std::vector<std::string> row;
+    while (std::getline(cells, cell, ',')) row.push_back(cell);
+    const bool first = names.empty();
+    if (first) names = row;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const bool is_head = names[i].starts_with("head_");
+      if (first && names[i] == "delta_time_ms") row[i] = "time_ms";
+      if (names[i].find("_pos_") != std::string::npos) {
+        const double unit_m = is_head ? units.head_m : units.hands_m;
+        row[i] = first ? names[i] + (is_head ? units.head : units.hands)
+                       : fmt::format("{:.9g}", 0.01 * std::stod(row[i]) / unit_m);
+      }
+      table += fmt::format("{}{}", i == 0 ? "" : ",", row[i]);
+    }
+    table += "\n";
+  }
+  return table;
+}
+
+// A head in metres without a unit, beside hands in millimetres, was read in millimetres.
+TEST_F(TrialCommands, PartsWithoutAUnitAreReadInThatWithWhichTheyAreAThrow) {
+  struct Case {
+    UnitsOfParts units;
+    std::string note;
+  };
+  const std::vector<Case> cases = {
+      {{1.0, 0.001, " [m]", " [mm]"}, ""},
+      {{1.0, 0.001, "", " [mm]"}, "positions of the head have no unit: read in metres"},
+      {{0.001, 0.001, "", " [mm]"}, "positions of the head have no unit: read in millimetres"},
+      {{0.001, 0.001, " [mm]", ""},
+       "positions of the left hand and the right hand have no unit: read in millimetres"},
+      {{0.001, 1.0, " [mm]", ""},
+       "positions of the left hand and the right hand have no unit: read in metres"}};
+  std::vector<double> speeds;
+  for (const Case& one : cases) {
+    spit(folder_ / "parts.csv", example_in(one.units));
+    const nlohmann::json made = json("import parts.csv -o parts.lcmlog --force --json");
+    speeds.push_back(made["release_speed_mps"].get<double>());
+    EXPECT_NEAR(speeds.back(), speeds.front(), 1e-6);
+    const std::string notes = made["notes"].dump();
+    const std::string told = headpin("import parts.csv --explain -o parts.toml --force").out;
+    EXPECT_THAT(told, HasSubstr("result             can be imported"));
+    if (one.note.empty()) {
+      EXPECT_THAT(notes, Not(HasSubstr("no unit")));
+    } else {
+      EXPECT_THAT(notes, HasSubstr(one.note));
+      EXPECT_THAT(told, HasSubstr(one.note));
+    }
+    const nlohmann::json mapped =
+        json("import parts.csv --columns parts.toml -o mapped.lcmlog --force --json");
+    EXPECT_EQ(mapped["release_speed_mps"], made["release_speed_mps"]);
+  }
+}
+
 }  // namespace
 }  // namespace headpin

@@ -2,6 +2,7 @@
 
 #include "devices/recordings/table_motion.h"
 
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <stdexcept>
@@ -354,6 +355,29 @@ TEST(TableTime, OfOneRowThatIsFarFromThoseAroundItIsLeftOut) {
     EXPECT_EQ(samples[49].time, Time{8'980'000});
     EXPECT_EQ(samples[50].time, Time{9'020'000});
   }
+
+// A head without a unit beside hands in millimetres may be in metres.
+TEST(TableUnits, OfAPartThatSaysNoneAreUnclearWhereAnotherSaysAnother) {
+  const auto reading = [](const char* head, const char* left, const char* right,
+                          MotionOptions options = {}) {
+    const std::string text = rows(
+        fmt::format("time,head_x{0},head_y{0},head_z{0},left_x{1},left_y{1},left_z{1},right_x{2},"
+                    "right_y{2},right_z{2}",
+                    head, left, right),
+        [](int i) { return fmt::format("{:.2f},0,1.5,0,0,1,0,200,1000,0", 0.01 * i); });
+    return parse_motion_table(text, "t.csv", options).reading;
+  };
+  using Parts = std::array<bool, 3>;
+  const Reading head = reading("", " [mm]", " [mm]");
+  EXPECT_EQ(head.without_unit, (Parts{true, false, false}));
+  EXPECT_EQ(head.other_units_m, std::vector<double>{1.0});
+  EXPECT_EQ(head.unit_m, 0.001);
+  const Reading right = reading(" [m]", " [cm]", "");
+  EXPECT_EQ(right.without_unit, (Parts{false, false, true}));
+  EXPECT_EQ(right.other_units_m, std::vector<double>{0.01});
+  EXPECT_EQ(reading("", "", "").without_unit, Parts{});
+  EXPECT_EQ(reading(" [m]", "", " [m]").without_unit, Parts{});
+  EXPECT_EQ(reading("", " [mm]", " [mm]", {.reading = {.unit_m = 0.01}}).without_unit, Parts{});
 }
 
 }  // namespace
