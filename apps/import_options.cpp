@@ -298,7 +298,8 @@ std::string axes_text(const devices::Reading& reading) {
 
 std::string rotations_text(const devices::Reading& reading) {
   std::vector<std::string> words;  // of parts with a quaternion, and of parts with angles
-  if (!reading.quaternion.empty() && reading.angles != "none") words.push_back(reading.quaternion);
+  const bool one_order = !reading.quaternion.empty() && !reading.own_orders;
+  if (one_order && reading.angles != "none") words.push_back(reading.quaternion);
   if (!reading.angles.empty()) words.push_back(reading.angles);
   if (reading.inverted) words.emplace_back("inverse");
   return fmt::format("{}", fmt::join(words, ","));

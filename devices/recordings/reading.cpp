@@ -59,6 +59,7 @@ Reading with(const ToldReading& told, Reading reading, std::string_view where) {
                       where, *told.quaternion));
     }
     reading.quaternion = *told.quaternion;
+    reading.own_orders = false;
   }
   return reading;
 }

@@ -51,8 +51,9 @@ struct Reading {
   /// not that of a hand; "none" where a user said that
   /// rotations are not to be read; else empty where they are no angles.
   std::string angles = {};
-  bool inverted = false;   ///< rotations are from the room to the head or hand
-  bool own_units = false;  ///< the file says several units of positions; unit_m is one of them
+  bool inverted = false;    ///< rotations are from the room to the head or hand
+  bool own_orders = false;  ///< quaternions have several orders; `quaternion` is one of them
+  bool own_units = false;   ///< the file says several units of positions; unit_m is one of them
   /// Of head, left and right hand: its positions are read in unit_m, which other parts of the file say, and it does
   /// not; they may be in one of other_units_m [m].
   std::array<bool, 3> without_unit = {};

@@ -171,8 +171,10 @@ class TableMotion {
     if (const auto told = options_.reading.unit_m) units_m_.fill(Vec3::Constant(*told));
     if (table_.kind == "Vicon") reading.axes = reading.turning = "RAS";  // z up
     for (const PartColumns& part : columns_.parts) {
-      if (part.tracked() && part.rotation == RotationKind::quaternion)
-        reading.quaternion = order_of(part);
+      if (!part.tracked() || part.rotation != RotationKind::quaternion) continue;
+      const std::string order = order_of(part);
+      if (reading.quaternion.empty()) reading.quaternion = order;
+      reading.own_orders = reading.own_orders || order != reading.quaternion;
     }
     std::vector<std::string>& notes = tracks_.notes;
     const TableTimes times =

@@ -61,7 +61,7 @@ std::vector<Candidate> other_times(const Reading& was) {
 std::vector<Candidate> other_quaternions(const Reading& was) {
   std::vector<Candidate> all;
   for (const auto& [order, words] : {std::pair{"xyzw", "x, y, z, w"}, {"wxyz", "w, x, y, z"}}) {
-    if (was.quaternion.empty() || was.quaternion == order) continue;
+    if (was.quaternion.empty() || was.own_orders || was.quaternion == order) continue;
     all.push_back({was, fmt::format("with its quaternions read as {}", words)});
     all.back().reading.quaternion = order;
   }

@@ -1,5 +1,6 @@
 // Recordings of other programs that `headpin import` makes trials of.
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <sstream>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "devices/recordings/motion_files.h"
 #include "tests/apps/trial_commands.h"
@@ -411,6 +413,32 @@ TEST_F(TrialCommands, PartsWithoutAUnitAreReadInThatWithWhichTheyAreAThrow) {
         json("import parts.csv --columns parts.toml -o mapped.lcmlog --force --json");
     EXPECT_EQ(mapped["release_speed_mps"], made["release_speed_mps"]);
   }
+}
+
+// The order of one part was in the file of columns as that of all, and the person stood on the head.
+TEST_F(TrialCommands, QuaternionsInSeveralOrdersAreNotInOneInTheFileOfColumns) {
+  std::istringstream lines(slurp(HEADPIN_SOURCE_DIR "/assets/throws/example.csv"));
+  std::string line, table;
+  std::ptrdiff_t w = -1;
+  while (std::getline(lines, line)) {
+    std::istringstream in(line);
+    std::vector<std::string> cells;
+    for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
+    if (w < 0) w = std::ranges::find(cells, "right_hand_rot_w") - cells.begin();
+    std::rotate(cells.begin() + w, cells.begin() + w + 1, cells.begin() + w + 4);
+    table += fmt::format("{}\n", fmt::join(cells, ","));
+  }
+  spit(folder_ / "orders.csv", table);
+  const nlohmann::json made = json("import orders.csv -o orders.lcmlog --json");
+  EXPECT_THAT(headpin("import orders.csv --explain -o orders.toml").out,
+              Not(HasSubstr("--rotations")));
+  EXPECT_THAT(slurp(folder_ / "orders.toml"), Not(HasSubstr("rotations =")));
+  const nlohmann::json mapped =
+      json("import orders.csv --columns orders.toml -o mapped.lcmlog --json");
+  EXPECT_EQ(mapped["release_speed_mps"], made["release_speed_mps"]);
+  // What is told holds for all.
+  headpin("import orders.csv --rotations wxyz --explain -o told.toml");
+  EXPECT_THAT(slurp(folder_ / "told.toml"), HasSubstr("rotations = 'wxyz'"));
 }
 
 }  // namespace
