@@ -25,6 +25,7 @@ struct Point {
   std::array<std::optional<std::size_t>, 3> angle;  ///< about x, y, z
   double unit_m = 1.0, unit_rad = 1.0;
   std::string frame = {};  ///< name of the reference frame; empty if no channel names one
+  bool turns = true;       ///< its rotation is read
 
   bool whole() const {
     const auto all = [](auto begin, auto end) {
@@ -32,10 +33,10 @@ struct Point {
     };
     const auto quaternion = column.begin() + 3;
     return all(column.begin(), quaternion) &&
-           (all(quaternion, column.end()) || all(angle.begin(), angle.end()));
+           (!turns || all(quaternion, column.end()) || all(angle.begin(), angle.end()));
   }
-  bool has_quaternion() const { return column[3].has_value(); }
-  bool has_angles() const { return angle[0].has_value(); }
+  bool has_quaternion() const { return turns && column[3].has_value(); }
+  bool has_angles() const { return turns && angle[0].has_value(); }
 };
 
 struct Columns {
@@ -195,7 +196,7 @@ class Rows {
         frame_(frame) {
     table_.set_names(columns.names);
     for (const auto& [name, point] : columns.points) {
-      if (!point.has_quaternion() && !order_) order_.emplace(frame, where);
+      if (point.has_angles() && !point.has_quaternion() && !order_) order_.emplace(frame, where);
       read_.tracks.push_back({name, {}});
     }
     unturned_.resize(columns.points.size());
@@ -241,6 +242,7 @@ class Rows {
     const auto x = value(0), y = value(1), z = value(2);
     if (!x || !y || !z) return std::nullopt;
     Pose pose{Quat::Identity(), point.unit_m * Vec3(*x, *y, *z)};
+    if (!point.turns) return pose;
     if (!point.has_quaternion()) {
       const auto a = angle(0), b = angle(1), c = angle(2);
       if (!a || !b || !c) return std::nullopt;
@@ -417,8 +419,9 @@ BidsFrame bids_frame(std::string_view channels, std::string_view levels, std::st
 
 MotionTracks parse_motion_bids(std::string_view motion, std::string_view channels,
                                std::string_view where, const BidsFrame& frame,
-                               const std::array<std::string, 3>& names) {
+                               const std::array<std::string, 3>& names, bool turns) {
   Columns columns = read_columns(channels, where);
+  for (auto& [name, point] : columns.points) point.turns = turns;
   std::erase_if(columns.points, [&](const auto& point) {
     return std::ranges::find(frame.others, point.first) != frame.others.end();
   });

@@ -44,10 +44,11 @@ BidsFrame bids_frame(std::string_view channels, std::string_view levels, std::st
 /// @param motion    the ..._motion.tsv, numbers only
 /// @param channels  the ..._channels.tsv that names its columns
 /// @param names     of head and hands, as MotionOptions has them
+/// @param turns     false: rotations are not read, and need not be there
 /// @throws std::invalid_argument  naming the file, and the line if there is one: no times, what is no number,
 ///                                most rows of a point without a rotation, a head or hand that is not whole
 MotionTracks parse_motion_bids(std::string_view motion, std::string_view channels,
                                std::string_view where, const BidsFrame& frame,
-                               const std::array<std::string, 3>& names = {});
+                               const std::array<std::string, 3>& names = {}, bool turns = true);
 
 }  // namespace headpin::devices

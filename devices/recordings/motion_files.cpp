@@ -122,7 +122,7 @@ bool is_uxf(const std::string& path, std::string_view begin) {
                              [](const auto& entry) { return !uxf_ending(entry.path()).empty(); });
 }
 
-MotionTracks read_uxf(const std::string& path, const MotionOptions&) {
+MotionTracks read_uxf(const std::string& path, const MotionOptions& options) {
   const bool folder = fs::is_directory(path);
   const fs::path there = folder ? uxf_folder(path) : fs::absolute(path).parent_path();
   std::string ending = folder ? "" : uxf_ending(path);
@@ -142,8 +142,9 @@ MotionTracks read_uxf(const std::string& path, const MotionOptions&) {
   MotionTracks read;
   for (const fs::path& name : files) {
     const std::string object = name.filename().string();
-    read.tracks.push_back({object.substr(0, object.size() - ending.size()),
-                           parse_uxf(text_of(name), name.string(), read.notes)});
+    read.tracks.push_back(
+        {object.substr(0, object.size() - ending.size()),
+         parse_uxf(text_of(name), name.string(), read.notes, options.rotations != "none")});
   }
   read.reading.axes = read.reading.turning = "RSA";  // Unity's
   return read;
@@ -179,7 +180,8 @@ MotionTracks read_motion_bids(const std::string& path, const MotionOptions& opti
       about["SamplingFrequency"].is_number()) {
     frame.rate_hz = about["SamplingFrequency"].get<double>();
   }
-  return parse_motion_bids(text_of(path), channels, path, frame, options.names);
+  return parse_motion_bids(text_of(path), channels, path, frame, options.names,
+                           options.rotations != "none");
 }
 
 // VRPN.
@@ -188,9 +190,10 @@ bool is_vrpn(const std::string&, std::string_view begin) {
   return begin.starts_with("vrpn: ver.");
 }
 
-MotionTracks read_vrpn(const std::string& path, const MotionOptions&) {
+MotionTracks read_vrpn(const std::string& path, const MotionOptions& options) {
   MotionTracks read;
-  read.tracks = parse_vrpn(base::read_bytes(path, kMost), path, 1.0, read.notes);
+  read.tracks =
+      parse_vrpn(base::read_bytes(path, kMost), path, 1.0, read.notes, options.rotations != "none");
   read.reading.quaternion = "xyzw";
   return read;
 }

@@ -1,6 +1,8 @@
 #include "devices/recordings/uxf.h"
 
+#include <array>
 #include <numbers>
+#include <span>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -10,8 +12,8 @@
 
 namespace headpin::devices {
 
-PoseTrack parse_uxf(std::string_view text, std::string_view where,
-                    std::vector<std::string>& notes) {
+PoseTrack parse_uxf(std::string_view text, std::string_view where, std::vector<std::string>& notes,
+                    bool turns) {
   constexpr std::array kColumns = {"time", "pos_x", "pos_y", "pos_z", "rot_x", "rot_y", "rot_z"};
   const std::size_t whole = text.rfind('\n') + 1;  // 0 without one
   if (whole > 0 && whole < text.size()) {
@@ -23,11 +25,12 @@ PoseTrack parse_uxf(std::string_view text, std::string_view where,
   TextTable table(text, where, ',');
   table.read_names();
   std::array<std::size_t, kColumns.size()> at{};
-  for (std::size_t i = 0; i < at.size(); ++i) {
+  const std::size_t needed = turns ? kColumns.size() : 4;
+  for (std::size_t i = 0; i < needed; ++i) {
     at[i] = table.column(kColumns[i]);
     if (at[i] == table.names().size()) {
       table.fail(fmt::format("expected the columns {} of a UXF tracker, {} is missing",
-                             fmt::join(kColumns, ", "), kColumns[i]));
+                             fmt::join(std::span(kColumns).first(needed), ", "), kColumns[i]));
     }
   }
   const auto turn = [](const Vec3& axis, double degrees) {
@@ -39,12 +42,13 @@ PoseTrack parse_uxf(std::string_view text, std::string_view where,
     const auto value = [&](std::size_t i) { return table.number(at[i]); };
     const double time = value(0);
     table.require_time("time", time);
-    for (std::size_t i = 4; i < 7; ++i) {
+    for (std::size_t i = 4; i < needed; ++i) {
       if (std::abs(value(i)) > 1e6) table.fail(fmt::format("{}: expected degrees", kColumns[i]));
     }
     // The reversal of z reverses rotations about x and y.
-    const Quat q = turn(Vec3::UnitY(), -value(5)) * turn(Vec3::UnitX(), -value(4)) *
-                   turn(Vec3::UnitZ(), value(6));
+    const Quat q = !turns ? Quat::Identity()
+                          : Quat(turn(Vec3::UnitY(), -value(5)) * turn(Vec3::UnitX(), -value(4)) *
+                                 turn(Vec3::UnitZ(), value(6)));
     if (track.push(microseconds(time), {q.normalized(), Vec3(value(1), value(2), -value(3))})) {
       continue;
     }

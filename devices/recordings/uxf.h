@@ -14,6 +14,9 @@ namespace headpin::devices {
 /// Unity's frame is left-handed, y up, +z ahead, its Euler angles are degrees about z, x and y, in
 /// this order; metres. The z axis is turned round. A last line that does not end may be cut inside
 /// a number: it is left out.
-PoseTrack parse_uxf(std::string_view text, std::string_view where, std::vector<std::string>& notes);
+///
+/// @param turns  false: rotations are not read, and need not be there
+PoseTrack parse_uxf(std::string_view text, std::string_view where, std::vector<std::string>& notes,
+                    bool turns = true);
 
 }  // namespace headpin::devices

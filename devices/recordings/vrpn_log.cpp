@@ -41,7 +41,8 @@ bool is_same_pose(const Pose& a, const Pose& b) {
 
 std::vector<std::pair<std::string, PoseTrack>> parse_vrpn(std::span<const std::uint8_t> bytes,
                                                           std::string_view where, double unit_m,
-                                                          std::vector<std::string>& notes) {
+                                                          std::vector<std::string>& notes,
+                                                          bool turns) {
   std::map<std::int32_t, std::string> types, senders;
   std::vector<std::pair<std::string, PoseTrack>> tracks;
   std::optional<Time> first;
@@ -72,7 +73,8 @@ std::vector<std::pair<std::string, PoseTrack>> parse_vrpn(std::span<const std::u
       for (std::size_t i = 0; i < v.size(); ++i) {
         v[i] = std::bit_cast<double>(big_endian(data.subspan(8 + 8 * i, 8)));
       }
-      const Pose pose{Quat(v[6], v[3], v[4], v[5]), unit_m * Vec3(v[0], v[1], v[2])};
+      const Quat q = turns ? Quat(v[6], v[3], v[4], v[5]) : Quat::Identity();
+      const Pose pose{q, unit_m * Vec3(v[0], v[1], v[2])};
       if (!pose.p.allFinite() || !(std::abs(pose.q.norm() - 1.0) < 1e-3)) {
         fail(at, "expected a finite position and a unit quaternion");
       }

@@ -6,6 +6,7 @@
 #include <random>
 #include <stdexcept>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -233,7 +234,7 @@ Packet name(const std::string& text) {
 }
 
 /// A log of a tracker with so many sensors, a hundred reports of each, and of a button.
-Packet vrpn_log(int sensors = 3) {
+Packet vrpn_log(int sensors = 3, double q_w = 0.8) {
   const std::string cookie = "vrpn: ver. 07.35  1";
   Packet log(24);
   std::copy(cookie.begin(), cookie.end(), log.begin());
@@ -245,7 +246,7 @@ Packet vrpn_log(int sensors = 3) {
       Packet data;
       put_number(data, static_cast<std::uint64_t>(sensor), 4);
       put_number(data, 0, 4);
-      for (const double v : {1.0 + sensor, 2.0, 3.0, 0.0, 0.6, 0.0, 0.8}) {
+      for (const double v : {1.0 + sensor, 2.0, 3.0, 0.0, 0.6, 0.0, q_w}) {
         put_number(data, std::bit_cast<std::uint64_t>(v), 8);
       }
       message(log, 3, 7, Time{1'700'000'000'000'000 + 10'000 * i + 1000 * sensor}, data);
@@ -418,6 +419,46 @@ TEST(MotionFiles, AVrpnReportOfAnotherPoseAtTheSameTimeIsLeftOutAndSaid) {
   };
   EXPECT_THAT(with_report(1.0), testing::IsEmpty());  // the same again
   EXPECT_THAT(with_report(1.5), testing::ElementsAre(HasSubstr("1 reports have another pose")));
+}
+
+// Rotations that are not to be read refused a file where they were no numbers, or missing.
+TEST_F(MotionFilesIn, RotationsThatAreNotToBeReadMayBeUnusable) {
+  for (const char* object : {"head", "right_hand"}) {
+    spit(folder / (std::string(object) + "_movement_T001.csv"),
+         "time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z\n0,1,2,3,nan,nan,nan\n0.1,1,2,3,nan,,0\n");
+    spit(folder / (std::string(object) + "_movement_T002.csv"),
+         "time,pos_x,pos_y,pos_z\n0,1,2,3\n0.1,1,2,3\n");
+  }
+  EXPECT_THAT(why_not("head_movement_T001.csv"), HasSubstr("rot_x: expected a finite number"));
+  EXPECT_THAT(why_not("head_movement_T002.csv"), HasSubstr("rot_x is missing"));
+
+  std::string names = "name\tcomponent\ttype\ttracked_point\tunits\n", row;
+  for (const char* point : {"head", "right_hand"}) {
+    for (const char* axis : {"x", "y", "z"}) {
+      names += fmt::format("{0}_p{1}\t{1}\tPOS\t{0}\tm\n", point, axis);
+      row += fmt::format("{}1.5", row.empty() ? "" : "\t");
+    }
+    for (const char* axis : {"x", "y", "z"}) {
+      names += fmt::format("{0}_r{1}\t{1}\tORNT\t{0}\tdeg\n", point, axis);
+      row += "\tn/a";
+    }
+  }
+  spit(folder / "a_motion.tsv", row + "\n" + row + "\n");
+  spit(folder / "a_channels.tsv", names);
+  spit(folder / "a_motion.json", "{\"SamplingFrequency\": 10}");
+  EXPECT_THAT(why_not("a_motion.tsv", {.reading = {.axes = "RSP"}}), HasSubstr("RotationOrder"));
+
+  const Packet log = vrpn_log(3, 0.0);
+  spit(folder / "log.vrpn", {log.begin(), log.end()});
+  EXPECT_THAT(why_not("log.vrpn"), HasSubstr("expected a finite position and a unit quaternion"));
+
+  for (const char* file :
+       {"head_movement_T001.csv", "head_movement_T002.csv", "a_motion.tsv", "log.vrpn"}) {
+    const MotionRecording level = read(file, {.reading = {.axes = "RSP"}, .rotations = "none"});
+    EXPECT_GE(level.times.size(), 2u) << file;
+    EXPECT_FALSE(level.head_turns || level.hands_turn) << file;
+    EXPECT_EQ(level.right_hand.at(0).q.angularDistance(Quat::Identity()), 0.0) << file;
+  }
 }
 
 }  // namespace
