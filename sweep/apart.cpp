@@ -82,6 +82,19 @@ void require_same_bodies(const scene::Stage& a, const scene::Stage& b, const Apa
       fmt::format("{}: {}; expected the same balls and skittles", names[1], what));
 }
 
+/// How skittles are drawn otherwise in B: in another shape, or at another height above the base.
+std::string drawn_otherwise(const scene::Stage& a, const scene::Stage& b) {
+  const scene::SkittleLook in_a = scene::skittle_look(a, scene::drawn_centres(a)),
+                           in_b = scene::skittle_look(b, scene::drawn_centres(b));
+  if (in_a.ellipsoid != in_b.ellipsoid)
+    return "Skittles are drawn in another shape, which is not compared.";
+  if (!in_a.ellipsoid) return "";
+  const double higher = in_b.raised + b.skittle_centre - in_a.raised - a.skittle_centre;
+  if (std::abs(higher) < 1e-6) return "";
+  return fmt::format("Skittles are drawn {:.3g} mm {} in the second, which is not compared.",
+                     1e3 * std::abs(higher), higher > 0.0 ? "higher" : "lower");
+}
+
 }  // namespace
 
 Places places_of(const scene::Session& session) {
@@ -171,6 +184,7 @@ Apart::Apart(const scene::Session& a, const scene::Session& b, std::string_view 
   }
   require_same_bodies(*a.stage, *b.stage, names_);
   require_same_display(a.scenario().hmd, b.scenario().hmd, names_);
+  drawn_ = drawn_otherwise(*a.stage, *b.stage);
   const std::vector<std::string> bodies = names_of_places(*a.stage);
   pixel_ = pixel_of(a.scenario().hmd.optics);
   limit_ = std::max(pixel_, kDetail.value);
@@ -410,11 +424,17 @@ std::string times_in_words(double times) {
   return times < 100.0 ? fmt::format("{:.2g}", times) : fmt::format("{:.0f}", times);
 }
 
-std::vector<std::string> in_sentences(const Apart& apart) {
+namespace {
+
+/// The first difference and the largest one.
+std::vector<std::string> of_bodies(const Apart& apart) {
   const std::vector<Told> all = all_told(apart);
   const auto largest =
       std::ranges::max_element(all, {}, [](const Told& told) { return told.difference.times; });
-  if (largest == all.end() || largest->difference.times <= 0.0) return {"Nothing differs."};
+  if (largest == all.end() || largest->difference.times <= 0.0) {
+    return {apart.drawn().empty() ? "Nothing differs."
+                                  : "No place, speed, contact or bounce differs."};
+  }
   if (largest->difference.times <= 1.0) {
     return {"Nothing differs by as much as is seen. The most: " + times_seen(*largest) + "."};
   }
@@ -423,6 +443,14 @@ std::vector<std::string> in_sentences(const Apart& apart) {
   return {fmt::format("First, from {:.2f} s on: {}.", seconds(*first->difference.first),
                       times_seen(*first)),
           fmt::format("Most: {}.", times_seen(*largest))};
+}
+
+}  // namespace
+
+std::vector<std::string> in_sentences(const Apart& apart) {
+  std::vector<std::string> sentences = of_bodies(apart);
+  if (!apart.drawn().empty()) sentences.push_back(apart.drawn());
+  return sentences;
 }
 
 }  // namespace headpin::sweep

@@ -104,6 +104,10 @@ class Apart {
 
   const std::vector<BodyApart>& bodies() const { return bodies_; }
 
+  /// That skittles are drawn otherwise in the second session, which no body's difference has: a sentence; empty
+  /// if they are drawn alike.
+  const std::string& drawn() const { return drawn_; }
+
  private:
   /// Measures one frame.
   void measure_frame(const scene::Session& a, const scene::Session& b, const Pose& X_WD);
@@ -136,6 +140,7 @@ class Apart {
 
   scene::Eyes eyes_a_, eyes_b_;
   Names names_;
+  std::string drawn_;
   double pixel_ = 0.0, limit_ = 0.0;
   std::int64_t frames_ = 0;
   std::size_t balls_ = 0;
@@ -149,7 +154,7 @@ class Apart {
 std::string times_in_words(double times);
 
 /// The first difference above its threshold and the largest one, a sentence each; one sentence where
-/// nothing is above.
+/// nothing is above. Then that skittles are drawn otherwise, where they are.
 std::vector<std::string> in_sentences(const Apart& apart);
 
 }  // namespace headpin::sweep

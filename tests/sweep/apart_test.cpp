@@ -363,5 +363,36 @@ TEST(Apart, ASkittleThatWasSweptAwayHasNoPlace) {
   EXPECT_FALSE(arcmin_in_view(a.session, others));  // as many bodies, but not the same ones
 }
 
+// Bodies alone were compared, and skittles that are drawn 43 mm apart did not differ.
+TEST(Apart, SkittlesThatAreDrawnOtherwiseAreSaid) {
+  const auto told = [](const scene::Scenario& of_a, const scene::Scenario& of_b) {
+    const auto samples = with_head(of_a, dropped(of_a, 0.5).samples, looking(false));
+    Played a(of_a, samples), b(of_b, samples);
+    Apart apart(a.session, b.session);
+    watch(apart, a, b, 0.2);
+    return in_sentences(apart);
+  };
+  scene::Scenario high;
+  scene::set_shape(high, scene::SkittleShape::ellipsoid);
+  high.skittle.seen = scene::SeenSkittle::collider;
+  scene::Scenario low = high, profile = high;
+  low.collision.rules = 12;
+  profile.skittle.seen = scene::SeenSkittle::profile;
+  const double centre = scene::make_session(low).stage->skittle_centre;
+  const double higher_mm = 1e3 * (0.5 * low.skittle.height - centre);
+  const std::string nothing = "No place, speed, contact or bounce differs.";
+  EXPECT_THAT(
+      told(low, high),
+      testing::ElementsAre(
+          nothing, fmt::format("Skittles are drawn {:.3g} mm higher in the second, which is not "
+                               "compared.",
+                               higher_mm)));
+  EXPECT_THAT(told(high, low), testing::Contains(HasSubstr("mm lower in the second")));
+  EXPECT_THAT(
+      told(high, profile),
+      testing::ElementsAre(nothing, "Skittles are drawn in another shape, which is not compared."));
+  EXPECT_THAT(told(high, high), testing::ElementsAre("Nothing differs."));
+}
+
 }  // namespace
 }  // namespace headpin::sweep
