@@ -355,6 +355,7 @@ TEST(TableTime, OfOneRowThatIsFarFromThoseAroundItIsLeftOut) {
     EXPECT_EQ(samples[49].time, Time{8'980'000});
     EXPECT_EQ(samples[50].time, Time{9'020'000});
   }
+}
 
 // A head without a unit beside hands in millimetres may be in metres.
 TEST(TableUnits, OfAPartThatSaysNoneAreUnclearWhereAnotherSaysAnother) {
