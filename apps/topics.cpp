@@ -44,6 +44,7 @@ constexpr std::array kTopics = {
     Topic{"install", "guides/install.md", "Install headpin"},
     Topic{"cite", "guides/cite.md", "Cite headpin"},
     Topic{"keys", "scenario.md", "Every key of a scenario"},
+    Topic{"rules", "rules.md", "Rules of the step and the game, by number"},
     Topic{"events", "events.md", "Every kind of event"},
     Topic{"json", "json.md", "Every key of `--json`"},
     Topic{"columns", "tables.md", "Every column of `headpin export`"},

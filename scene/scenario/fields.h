@@ -222,15 +222,8 @@ void visit(V& v, Collision& c) {
   v.field("sleep", c.sleep, kAny,
           "sleeping: bodies at rest are not simulated until something touches them. Skittles begin "
           "asleep; without sleeping they stay awake from their first touch on");
-  v.field(
-      "rules", c.rules, Range{1, 14},
-      "rules of the simulation step. 14: today's; 13: as before, with next to no friction where a body turns fast and gravity's part of a step is deep for it (a ball below 34 mm at 120 Hz), and parts of a skittle that are thin and overlap weighed by even rods; 12: also with ellipsoids that are drawn too low, where skittle.seen is collider and skittle.ellipsoid_weighed is alike; 11: also with a ball that does not fall until its release is known, where the trigger comes more than a tick late, and, where game.hand_fells is counted, a rack without the skittle that the hand holds; 10: also with impacts that a slow contact of the same two bodies hides, with the paper's detection, impacts of bodies that were apart a step late and too deep, a ball that leaves from where a sample that is left out showed the hand, skittles that keep a stray ball as their cause while they rock, and a ball beside the lane before the foul line; 9: also with hops where flat parts of a floor join, and one touch for all parts of a fixed body, which pushes and brakes what rolls past its parts; 8: also with a skittle of a mesh turned until its principal axes are those of the world, otherwise than it is drawn; 7: also with no friction, or one in a random direction, under the response coulomb where bodies meet without a slip; 6: also with the paper's detection against lanes with gutters, kick-backs and panels, which balls went through; "
-      "5: also with bodies that slide under the response coulomb up to half a step "
-      "behind; 4: also with a search for every part of a body over a single face, and upright pins on three points of a floor without gutters; 3: also with crowds that creep and fall, "
-      "and friction not quite opposite to the slip; 2: also with errors for bodies that turn far "
-      "within a step; 1: those of trials without this key, also with errors for "
-      "squeezed bodies, for bodies that land just after a step, and for unsupported sleeping "
-      "bodies");
+  v.field("rules", c.rules, Range{1, 14},
+          "rules of the simulation step and the game; see docs/rules.md");
 }
 
 template <typename V>

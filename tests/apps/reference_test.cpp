@@ -3,6 +3,9 @@
 #include <regex>
 #include <set>
 
+#include <fmt/format.h>
+
+#include "scene/scenario/scenario.h"
 #include "tests/apps/command_line.h"
 
 namespace headpin {
@@ -231,6 +234,20 @@ TEST_F(Reference, TheManualTellsOfOptionsEnvironmentAndTheInstalledTrial) {
   }
   EXPECT_THAT(slurp(folder_ / "written/man1/headpin-info.1"),
               HasSubstr("headpin info /usr/share/headpin/trials/demo.lcmlog"));
+}
+
+// Who meets an old trial finds what its rules lack; the key itself says only where that is told.
+TEST_F(Reference, EveryNumberOfTheRulesIsTold) {
+  const std::string page = slurp(kDocs / "rules.md");
+  const auto newest = scene::Scenario{}.collision.rules;
+  for (std::int64_t number = 1; number <= newest; ++number) {
+    EXPECT_THAT(page, HasSubstr(fmt::format("\n| {} | ", number)));
+  }
+  EXPECT_THAT(page, HasSubstr(fmt::format("\n| {} | today's rules |", newest)));
+  EXPECT_THAT(slurp(kDocs / "scenario.md"),
+              HasSubstr(fmt::format("1 to {0} | `{0}` | rules of the simulation step and the game; "
+                                    "see docs/rules.md |",
+                                    newest)));
 }
 
 }  // namespace
