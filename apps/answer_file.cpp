@@ -94,6 +94,12 @@ bool plays_as_person(const Study& study, const std::string& id) {
   return of_person(runs_of(study, id)) != nullptr;
 }
 
+const study::Answer* given_by_person(const study::Answers& answers) {
+  const auto found = std::ranges::find_if(
+      answers, [](const study::Answer& answer) { return answer.source != study::kDrawn; });
+  return found == answers.end() ? nullptr : &*found;
+}
+
 void leave_out_drawn(study::Answers& answers) {
   std::erase_if(answers, [](const study::Answer& one) { return one.source == study::kDrawn; });
 }

@@ -24,6 +24,9 @@ study::Answers answers_of(const Study& study, const std::string& id);
 /// Whether a person plays the participant, as of_person(): then the answers are a person's too.
 bool plays_as_person(const Study& study, const std::string& id);
 
+/// The first answer that a person gave, by which no missing ones are drawn; null if there is none.
+const study::Answer* given_by_person(const study::Answers& answers);
+
 /// Leaves those that a person gave.
 void leave_out_drawn(study::Answers& answers);
 

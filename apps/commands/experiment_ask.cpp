@@ -105,13 +105,6 @@ void take_forms(const Study& study, const AskOptions& options) {
   fmt::print("{}: forms of {} participants, {} new answers\n", options.from, forms.size(), added);
 }
 
-/// The first answer that a person gave; null if there is none.
-const study::Answer* given_by_person(const study::Answers& answers) {
-  const auto found = std::ranges::find_if(
-      answers, [](const study::Answer& answer) { return answer.source != study::kDrawn; });
-  return found == answers.end() ? nullptr : &*found;
-}
-
 /// Draws the missing answers of one participant.
 /// @param of_a_person  gets what a person has played or answered, instead of any answer drawn
 /// @return  number of new answers

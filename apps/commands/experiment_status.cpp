@@ -32,7 +32,8 @@ struct HowFar {
   std::size_t missing;  ///< number of missing answers
   std::string replaced_by;
   bool drawn_for_person =
-      false;  ///< there are drawn answers, which do not count: a person has played
+      false;               ///< there are drawn answers, which do not count: a person has played
+  bool has_given = false;  ///< a person has given an answer: no others are drawn then
 };
 
 std::string played_in_words(const Study& study, const HowFar& one) {
@@ -61,6 +62,7 @@ std::vector<HowFar> steps_done(const Study& study) {
       leave_out_drawn(answers);
       far.drawn_for_person = answers.size() < before;
     }
+    far.has_given = given_by_person(answers) != nullptr;
     far.missing = study::missing(study.questions, answers).size();
     all.push_back(std::move(far));
   }
@@ -86,7 +88,7 @@ std::string next_command(const Study& study, const std::vector<HowFar>& all) {
     if (run && one.missing == 0) continue;
     if (run) {
       return fmt::format("headpin experiment ask {} --participant {}{}", folder, one.planned->id,
-                         run->is_virtual && draws ? " --virtual" : "");
+                         run->is_virtual && draws && !one.has_given ? " --virtual" : "");
     }
     return fmt::format("headpin experiment run {} --participant {} SOURCE", folder,
                        one.planned->id);

@@ -354,5 +354,16 @@ TEST_F(StudyPeople, TheNextCommandDrawsAnswersOnlyWhereADesignHasAModel) {
   expect_refusal(ask + " --virtual", 2, "no published model");
 }
 
+// Where a form has been taken, no answers are drawn beside it: the rest is asked.
+TEST_F(StudyPeople, TheNextCommandDrawsNoAnswersBesideGivenOnes) {
+  plan(1);
+  ASSERT_EQ(headpin("experiment run study --participant p001 --virtual").code, 0);
+  spit(folder_ / "forms.csv", "participant,item,answer\np001,presence1,6\n");
+  ASSERT_EQ(headpin("experiment ask study --from forms.csv").code, 0);
+  const std::string ask = "experiment ask study --participant p001";
+  EXPECT_EQ(json("experiment status study --json")["next"], "headpin " + ask);
+  expect_refusal(ask + " --virtual", 2, "has an answer of a person: presence1, form");
+}
+
 }  // namespace
 }  // namespace headpin
