@@ -58,7 +58,8 @@ double degrees_from_y(const Vec3& v) {
   Quat half = v.y() >= 0.0 ? Quat(speed + v.y(), 0.0, 0.0, v.x())
                            : Quat(std::abs(v.x()), 0.0, 0.0, std::copysign(speed - v.y(), v.x()));
   half.normalize();
-  return rotation_vector(half).z() * 180.0 / std::numbers::pi;
+  // Straight back, the series ends one bit beyond.
+  return std::clamp(rotation_vector(half).z() * 180.0 / std::numbers::pi, -180.0, 180.0);
 }
 
 int points(const Sheet& sheet) {

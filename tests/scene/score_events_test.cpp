@@ -179,6 +179,15 @@ TEST(ScoreOfEvents, AVelocityWithoutALevelPartHasNoDirection) {
   for (const double z : {-1.0, 0.0, 2.0}) EXPECT_EQ(degrees_from_y(Vec3(0.0, 0.0, z)), 0.0);
 }
 
+TEST(ScoreOfEvents, AnAngleStaysWithinHalfATurn) {
+  for (const double speed : {0.1, 1.0, 3.0, 6.5}) {
+    EXPECT_EQ(degrees_from_y(Vec3(0.0, -speed, 0.0)), 180.0);
+    EXPECT_EQ(degrees_from_y(Vec3(-0.0, -speed, 0.0)), -180.0);
+    EXPECT_EQ(degrees_from_y(Vec3(1e-17, -speed, 0.0)), 180.0);
+    EXPECT_LE(degrees_from_y(Vec3(1e-15, -speed, 0.0)), 180.0);
+  }
+}
+
 // The rules of a trial are those that it has; one without some of its keys is damaged.
 TEST(ScoreOfEvents, OfATrialThatLacksAKeyIsByTheRulesOfToday) {
   TrialSummary trial;
