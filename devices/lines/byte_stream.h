@@ -144,8 +144,8 @@ class TcpServer : public ByteStream {
   TcpServer& operator=(const TcpServer&) = delete;
 
   int port() const { return port_; }
-  /// ADDRESS:PORT
-  std::string name() const { return address_ + ":" + std::to_string(port_); }
+  /// tcp:ADDRESS:PORT, as open_line() takes it
+  std::string name() const { return "tcp:" + address_ + ":" + std::to_string(port_); }
 
   std::size_t read(std::span<std::uint8_t> out) override;
   std::size_t write(Bytes bytes) override;

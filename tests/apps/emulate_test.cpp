@@ -62,12 +62,13 @@ class Emulate : public testing::Test {
 
   fs::path link() const { return folder_ / "fastrak"; }
 
-  /// The line of a unit that serves TCP, as it says itself; empty when it says nothing.
+  /// The line of a unit that serves TCP, as it says itself and `live --fastrak` takes it; empty when it says
+  /// nothing.
   std::string tcp_line() const {
     for (int i = 0; i < 500; ++i) {
       std::ifstream file(folder_ / "out");
       std::string name;
-      if (std::getline(file, name) && !file.eof()) return "tcp:" + name;
+      if (std::getline(file, name) && !file.eof()) return name;
       std::this_thread::sleep_for(10ms);
     }
     return "";
