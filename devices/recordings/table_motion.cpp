@@ -179,8 +179,8 @@ class TableMotion {
     std::vector<std::string>& notes = tracks_.notes;
     const TableTimes times =
         read_times(table_, *columns_.time, options_.reading.time_unit_s, where_, notes);
-    reading.time_unit_s = times.unit_s;
     reading_ = with(options_.reading, reading, where_);
+    reading_.time_unit_s = times.unit_s;  // a told unit is one of numbers, not of dates
     rows_ = timed_rows(times, reading_.time_unit_s);
     tracks_.reading = reading_;
   }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -313,8 +314,8 @@ TEST(TableTime, ThatStartsAgainIsPassedOverForAnotherThatGoesOn) {
   const auto table = [](const char* clock, int from) {
     return rows(fmt::format("trial_time_s,{},{}", clock, kPoses), [&](int i) {
       const int of_trial = i < 25 ? i : i - 25;
-      return fmt::format("{:.2f},{:.2f},{}", 0.04 * of_trial,
-                         100.0 + 0.04 * (i < from ? i : of_trial), kPose);
+      return fmt::format("{:.2f},{:.3f},{}", 0.04 * of_trial,
+                         100.0 + (i < from ? 0.04 * i : 0.04 * of_trial + 0.001), kPose);
     });
   };
   const MotionTracks read = parse_motion_table(table("unix_time_s", 40), "t.csv", {});
@@ -379,6 +380,21 @@ TEST(TableUnits, OfAPartThatSaysNoneAreUnclearWhereAnotherSaysAnother) {
   EXPECT_EQ(reading("", "", "").without_unit, Parts{});
   EXPECT_EQ(reading(" [m]", "", " [m]").without_unit, Parts{});
   EXPECT_EQ(reading("", " [mm]", " [mm]", {.reading = {.unit_m = 0.01}}).without_unit, Parts{});
+}
+
+// With a unit of numbers, the seconds of a date became milliseconds.
+TEST(TableTimes, ThatAreDatesHaveNoUnit) {
+  const std::string text = rows("time," + kPoses, [](int i) {
+    return fmt::format("2026-11-25T13:57:27.{:03},{}", 10 * i, kPose);
+  });
+  const std::vector<std::optional<double>> units = {std::nullopt, 1e-3, 1.0 / 90.0};
+  for (const std::optional<double>& told : units) {
+    const MotionTracks read = parse_motion_table(text, "t.csv", {.reading = {.time_unit_s = told}});
+    const std::vector<Stamped<Pose>> head = track_of(read, "head");
+    ASSERT_EQ(head.size(), 40u);
+    EXPECT_EQ(head.back().time - head.front().time, Time{390'000});
+    EXPECT_EQ(read.reading.time_unit_s, 1.0);
+  }
 }
 
 }  // namespace
