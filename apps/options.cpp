@@ -1,7 +1,6 @@
 #include "apps/options.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cstdint>
 #include <cstdlib>
@@ -14,19 +13,13 @@
 #include <fmt/ranges.h>
 
 #include "apps/command.h"
+#include "apps/output_name.h"
 #include "render/gl_context.h"
 #include "scene/scenario/nearest.h"
 
 namespace headpin::apps {
 
 namespace {
-
-/// File name endings of known kinds of files.
-constexpr std::array<std::string_view, 34> kKindsOfFiles = {
-    ".avi", ".bmp",  ".c3d",  ".csv",  ".eps",  ".fbx",    ".gif",  ".glb",  ".gltf",
-    ".htm", ".html", ".jpeg", ".jpg",  ".json", ".lcmlog", ".mcap", ".mkv",  ".mov",
-    ".mp4", ".pdf",  ".png",  ".ps",   ".svg",  ".tif",    ".tiff", ".toml", ".tsv",
-    ".txt", ".wav",  ".webm", ".webp", ".xlsx", ".y4m",    ".zip"};
 
 /// Reads all of a text as a number.
 template <typename T>
@@ -41,23 +34,6 @@ std::optional<T> whole(const std::string& text) {
 std::string wrong_context(std::string_view name) {
   if (render::is_context_name(name)) return "";
   return fmt::format("expected osmesa, egl, egl:auto or egl:NUMBER, found '{}'", name);
-}
-
-/// "a", "a or b", "a, b or c"
-std::string either_of(const std::vector<std::string>& words) {
-  if (words.size() < 2) return fmt::format("{}", fmt::join(words, ""));
-  return fmt::format("{} or {}", fmt::join(words.begin(), words.end() - 1, ", "), words.back());
-}
-
-/// The error in the name of an output; empty if it is correct.
-std::string wrong_output(const std::string& name, const std::vector<std::string>& endings) {
-  if (name.empty()) return "expected a name, found none";
-  const std::string ending = std::filesystem::path(name).extension().string();
-  const bool kind = std::ranges::count(kKindsOfFiles, CLI::detail::to_lower(ending)) > 0;
-  if (!kind || std::ranges::count(endings, ending) > 0) return "";
-  return endings.empty()
-             ? fmt::format("expected the name of a folder, found {}", name)
-             : fmt::format("expected a name that ends in {}, found {}", either_of(endings), name);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <pybind11/stl/filesystem.h>
 
+#include "apps/output_name.h"
 #include "apps/python/errors.h"
 #include "apps/python/module.h"
 #include "apps/python/table.h"
@@ -155,6 +156,9 @@ void save(const Replay& replay, const std::filesystem::path& path, bool overwrit
         "save: nobody could replay the trial of a response of one's own; expected a response by its "
         "name");
   }
+  if (const std::string wrong = apps::wrong_output(path.string(), {".lcmlog"}); !wrong.empty()) {
+    throw std::invalid_argument("path: " + wrong);
+  }
   if (states != "changes" && states != "all") {
     throw std::invalid_argument("states: expected changes or all, found " + states);
   }
@@ -243,9 +247,9 @@ void add_replay(py::module_& module) {
           py::arg("states") = "changes",
           "Writes the replay as a new trial with its states and events, as `headpin replay -o`.\n\n"
           "The file is complete or absent. states: \"changes\" (smaller) or \"all\".\n"
-          "Raises FileExistsError for a file that is there, unless overwrite is True, and OSError "
-          "when it\n"
-          "cannot be written.")
+          "Raises ValueError for a name of another kind of file, such as x.csv; FileExistsError for a file "
+          "that is\n"
+          "there, unless overwrite is True; and OSError when it cannot be written.")
       .def("__repr__", [](const Replay& r) {
         return "<headpin.Replay of " + r.trial->path() +
                (r.own ? ", response of one's own"

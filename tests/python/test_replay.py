@@ -1,6 +1,7 @@
 """A replay from Python is that of the command, to the bit."""
 
 import errno
+import os
 import signal
 import subprocess
 import sys
@@ -129,6 +130,14 @@ class Replay(unittest.TestCase):
             self.assertEqual(file.read(), "mine")
         replay.save(path, overwrite=True)
         self.assertIsNone(headpin.Trial(path).verify())
+
+    def test_has_no_name_of_another_kind_of_file(self):
+        replay = headpin.Trial(support.DEMO).replay()
+        for name in ("own.csv", "own.xlsx", "own.LCMLOG"):
+            path = support.file(name)
+            with self.assertRaisesRegex(ValueError, f"^path: expected a name that ends in .lcmlog, found .*{name}$"):
+                replay.save(path)
+            self.assertFalse(os.path.exists(path))
 
     def test_says_when_nothing_can_be_written(self):
         replay = headpin.Trial(support.DEMO).replay()
