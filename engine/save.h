@@ -15,7 +15,8 @@ namespace headpin::engine {
 /// Everything that changes during a simulation: tick, states, kinds, sleep, ledger and memory.
 /// Little-endian, with a version and a checksum. Bodies and parameters are not included, only a
 /// checksum of them; nor are events and statistics, which the next step makes again. The values of
-/// friction tables (`set_friction`) are not included either: the restored world has those of `made`.
+/// friction tables (`set_friction`) are not included either, nor what a response of one's own does: the
+/// restored world has those of `made`.
 std::vector<std::uint8_t> save(const World& world);
 
 /// @param made  a world with the same bodies and parameters as the saved one, in any state; with the friction

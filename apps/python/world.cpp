@@ -345,7 +345,8 @@ void add_world_copies(py::class_<PyWorld>& c) {
             const std::vector<std::uint8_t> bytes = save(w.get());
             return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
           },
-          "Everything that changes, as bytes; bodies and parameters are not among them.")
+          "Everything that changes, as bytes; bodies, parameters and a law of one's own are not among "
+          "them.")
       .def(
           "restore",
           [](PyWorld& w, const py::bytes& bytes) {
@@ -355,8 +356,8 @@ void add_world_copies(py::class_<PyWorld>& c) {
           },
           "saved"_a,
           "Takes over a saved state, then goes on with the same bits.\n\nRaises ValueError for "
-          "bytes "
-          "of a world with other bodies or parameters, and for damaged ones.");
+          "bytes of a world with other bodies or parameters, and for damaged ones. A law\nof one's "
+          "own is not compared: the world goes on by its own, so it must be that of the saved one.");
 }
 
 void add_world_views(py::class_<PyWorld>& c) {

@@ -246,6 +246,33 @@ class OwnResponse(unittest.TestCase):
             world.step()
         self.assertEqual((world.tick, world.state_hash), (tick, before))
 
+    def test_is_not_in_saved_bytes_and_must_be_given_again(self):
+        def dull(u, K, N, elasticity, friction):
+            return self.smooth(u, K, N, 0.0, friction)
+
+        def falling(response):
+            world = engine.World(response=response)
+            world.add(lane(friction=0.0))
+            world.add(ball(friction=0.0), [0, 0, 1.0])
+            return world
+
+        saved = falling(self.smooth)
+        saved.step(50)  # before it lands
+        bytes_ = saved.save()
+        again, other, whole = falling(self.smooth), falling(dull), falling(dull)
+        whole.step(50)
+        for world in (again, other):
+            world.restore(bytes_)
+        for world in (saved, again, other, whole):
+            world.step(80)
+        self.assertEqual(again.state_hash, saved.state_hash)
+        self.assertEqual(other.state_hash, whole.state_hash)
+        self.assertNotEqual(other.state_hash, saved.state_hash)
+        with self.assertRaisesRegex(ValueError, "other bodies or parameters"):
+            falling("paper").restore(bytes_)
+        for told in (engine.World.save.__doc__, engine.World.restore.__doc__):
+            self.assertRegex(told, r"law\s+of\s+one's\s+own\s+(is|are)\s+not")
+
     def test_must_give_three_finite_numbers(self):
         for given in ([1.0, 2.0], [0.0, np.nan, 0.0], "none", None):
             with self.assertRaisesRegex(ValueError, "expected an impulse of three finite numbers"):
