@@ -142,6 +142,7 @@ folder=$(dirname "$(find engine -name headpin-engine.pc)")
 "$compiler" $flags "$here/engine_client/client.cpp" -o with_pkg_config \
   $(PKG_CONFIG_PATH=$folder pkg-config --cflags --libs headpin-engine)
 ./with_pkg_config
+PKG_CONFIG_PATH=$folder pkg-config --static --libs headpin-engine | grep -q -e -pthread || fail "--static without -pthread: steps may be shared by threads"
 
 echo "== other flags than the engine's"
 # refused SAYS FLAG...: with these the client is not made, and it is said what to do.
