@@ -365,5 +365,29 @@ TEST_F(StudyPeople, TheNextCommandDrawsNoAnswersBesideGivenOnes) {
   expect_refusal(ask + " --virtual", 2, "has an answer of a person: presence1, form");
 }
 
+// Ctrl-D at a question of the form on a terminal.
+TEST_F(StudyPeople, WhoEndsTheInputOfATerminalKeepsTheAnswersAndGoesOnLater) {
+  plan(1);
+  const int near = posix_openpt(O_RDWR | O_NOCTTY);
+  ASSERT_GE(near, 0);
+  ASSERT_EQ(grantpt(near), 0);
+  ASSERT_EQ(unlockpt(near), 0);
+  const int far = open(ptsname(near), O_RDWR | O_NOCTTY);
+  ASSERT_GE(far, 0);
+  const std::string typed = "6\n7\n\x04";
+  ASSERT_EQ(write(near, typed.data(), typed.size()), static_cast<ssize_t>(typed.size()));
+  const std::vector<std::string> ask = {"experiment", "ask", "study", "--participant", "p001"};
+  int status = 0;
+  waitpid(started(ask, far), &status, 0);
+  close(far);
+  close(near);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_EQ(slurp(folder_ / "study/answers/p001.csv"),
+            "participant,item,answer,source\np001,presence1,6,asked\np001,presence2,7,asked\n");
+  expect_refusal("experiment ask study --participant p001", 1,
+                 "p001: 2 of 11 questions are answered; the same command continues with the next");
+}
+
 }  // namespace
 }  // namespace headpin
