@@ -7,6 +7,7 @@
 #   --quick  one low and one high level of each compiler instead of all, no other machine, no trials;
 #            the presets release (g++, -O3) and asan (clang++, -O1, sanitizers) are used where they were built
 set -euo pipefail
+[ $# = 0 ] || [ "$*" = --quick ] || { echo "build_matrix.sh: expected nothing or --quick, found $*" >&2; exit 2; }
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 levels=(-O1 -O2 -O3)
 work=build/matrix
