@@ -175,8 +175,8 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"games", "score sheets, in order of time"},
     {"garbage_bytes", "random bytes that an emulated unit sent"},
     {"gave_up",
-     "true if the virtual participant ended early, because a button was out of reach or a ball did "
-     "not come back"},
+     "true if the virtual participant ended early, because a button was out of reach, a ball did "
+     "not come back, or the other version began too often"},
     {"gltf", "file of the animated scene"},
     {"grab_s", "time at which the ball was grabbed"},
     {"gravity_j", "ledger: energy of free motion"},

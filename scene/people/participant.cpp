@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scene/people/arm_model.h"
+#include "scene/people/sights.h"
 #include "scene/record/events.h"
 #include "scene/scenario/rules.h"
 
@@ -17,6 +18,7 @@ constexpr double kThere = 0.03;            ///< distance at which a walk has arr
 constexpr double kOneStep = 0.35;          ///< longest way on foot [m]
 constexpr double kPatience = 15.0;         ///< longest time for a walk [s]
 constexpr int kMostTries = 4;
+constexpr int kMostAstray = 4;  ///< versions begun by accident while another one was to be played
 
 Vec2 level_of(const Vec3& v) {
   return v.head<2>();
@@ -25,52 +27,6 @@ Vec2 level_of(const Vec3& v) {
 bool is_waiting(const Session& s, engine::BodyId ball) {
   const bool held = s.player.held && s.player.held->body == ball;
   return !held && s.world.bodies[ball].kind == engine::Kind::driven;
-}
-
-/// The skittle to aim at: the one with the most others beside it; of several, the nearest. Nothing
-/// if all are down.
-std::optional<Vec3> worth_aiming_at(const Session& s) {
-  std::vector<Vec3> standing;
-  for (const engine::BodyId skittle : s.stage->skittles) {
-    if (s.game.swept[skittle] || s.game.down[skittle]) continue;
-    standing.push_back(s.world.states[skittle].X_WB.p);
-  }
-  std::optional<Vec3> best;
-  long most = 0;
-  for (const Vec3& p : standing) {
-    constexpr double kBeside = 0.35;
-    const long beside =
-        std::ranges::count_if(standing, [&](const Vec3& q) { return (q - p).norm() < kBeside; });
-    const bool nearer = best && p.y() < best->y();
-    if (!best || (nearer && 2 * beside >= most) || beside > 2 * most) {
-      best = p;
-      most = beside;
-    }
-  }
-  return best;
-}
-
-/// The position of the fastest skittle, if one moves.
-std::optional<Vec3> liveliest_skittle(const Session& s) {
-  constexpr double kLively = 0.3;
-  std::optional<Vec3> found;
-  double fastest = kLively;
-  for (const engine::BodyId skittle : s.stage->skittles) {
-    if (s.world.bodies[skittle].kind != engine::Kind::free) continue;
-    const double speed = s.world.states[skittle].v_WB.norm();
-    if (speed <= fastest) continue;
-    fastest = speed;
-    found = s.world.states[skittle].X_WB.p;
-  }
-  return found;
-}
-
-Vec3 rack_middle(const Session& s) {
-  Vec3 sum = Vec3::Zero();
-  for (const engine::BodyId skittle : s.stage->skittles) {
-    sum += s.stage->world.states[skittle].X_WB.p;
-  }
-  return sum / static_cast<double>(std::max<std::size_t>(1, s.stage->skittles.size()));
 }
 
 Posture first_posture(const Person& person) {
@@ -176,6 +132,25 @@ void Participant::act(const Session& session, double now) {
   }
 }
 
+/// Goes to the button of the version that is to be played: that of another one was touched by
+/// accident, as by a hand that moves out of the way of a skittle.
+void Participant::go_back(const Session& session, double now) {
+  if (trigger_) body_.trigger(session.now() + Time{1}, trigger_ = false);
+  body_.figure.to(at_rest(now), now, 0.8 * plan_.person.pace);
+  thrown_.reset();
+  ball_.reset();
+  if (game_over_ || throws_ >= plan_.throws) return end_version(now);
+  if (++astray_ > kMostAstray) return give_up(now);
+  begin(Doing::walks_to_button, now);
+}
+
+void Participant::end_version(double now) {
+  ++version_;
+  throws_ = astray_ = 0;
+  game_over_ = false;
+  begin(version_ < versions_ ? Doing::walks_to_button : Doing::leaves, now);
+}
+
 /// Processes the events of the last tick that the participant waits for.
 void Participant::notice(const Session& session, double now) {
   const bool awaited =
@@ -187,6 +162,12 @@ void Participant::notice(const Session& session, double now) {
       if (thrown_) thrown_->from_W = event.p_W;
     }
     if (event.kind == kind::skittle_down && thrown_) thrown_->felled = true;
+    game_over_ |= event.kind == kind::game_over;
+    const bool plays = doing_ != Doing::leaves && doing_ != Doing::nothing;
+    if (event.kind == kind::version && event.detail != Detail(next_colour()) && plays) {
+      go_back(session, now);
+      continue;
+    }
     const bool done = (doing_ == Doing::touches && event.kind == kind::version) ||
                       (doing_ == Doing::takes && event.kind == kind::grab) ||
                       (doing_ == Doing::watches && event.kind == kind::ball_back);
@@ -210,9 +191,13 @@ Posture Participant::at_rest(double now) const {
   return rest;
 }
 
+Colour Participant::next_colour() const {
+  return (version_ == 0) == plan_.blue_first ? Colour::blue : Colour::red;
+}
+
 const Vec3& Participant::next_button(const Session& session) const {
   const Versions& versions = session.scenario().version;
-  return (version_ == 0) == plan_.blue_first ? versions.blue.button : versions.red.button;
+  return next_colour() == Colour::blue ? versions.blue.button : versions.red.button;
 }
 
 Vec2 Participant::button_spot(const Session& session) const {
@@ -352,8 +337,7 @@ void Participant::watch(const Session& session, double now) {
   const bool no_game = !rules_of(scenario_.game.rules).counted;  // the ball stays where it is
   const bool enough = no_game || throws_ >= plan_.throws || session.game.over;
   if (!enough) return begin(Doing::walks_to_ball, now);
-  ++version_;
-  begin(version_ < versions_ ? Doing::walks_to_button : Doing::leaves, now);
+  end_version(now);
 }
 
 /// Corrects the aim of the next throw by a part of the miss, if the ball missed its target.

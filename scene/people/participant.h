@@ -6,6 +6,7 @@
 #include "scene/people/participant_body.h"
 #include "scene/people/swing.h"
 #include "scene/play/run.h"
+#include "scene/record/details.h"
 
 /// A virtual participant who plays a whole session: walks to the buttons, touches one, throws,
 /// touches the other, throws.
@@ -31,7 +32,8 @@ struct Thrown {
 /// Its gaze follows ball and skittles. The next throw corrects a part of a miss. It moves away from
 /// bodies that fly at it, after a reaction time. In the tracked space its feet stay within
 /// `kStepsAside` of their first place; for longer ways it walks with the thumb buttons and looks
-/// ahead.
+/// ahead. If it touches the button of the other version by accident, it goes back to that of the
+/// version that is to be played, and begins that one again.
 ///
 /// It depends only on person, plan and session: it uses no clock, and has the same bits on every
 /// computer.
@@ -44,8 +46,8 @@ class Participant : public devices::Source, public Observer {
   bool exhausted() const override { return finished(); }
   void tick(const Session& session) override;
 
-  /// True when it has played all throws, or has given up because a ball did not come back or a
-  /// button is out of reach.
+  /// True when it has played all throws, or has given up: a ball did not come back, a button is out
+  /// of reach, or the other version began too often.
   bool finished() const { return doing_ == Doing::nothing; }
   bool gave_up() const { return gave_up_; }
   int throws() const { return all_throws_; }
@@ -72,6 +74,8 @@ class Participant : public devices::Source, public Observer {
   void begin(Doing next, double now);
   void give_up(double now);
   void notice(const Session& session, double now);
+  void go_back(const Session& session, double now);
+  void end_version(double now);
   void act(const Session& session, double now);
   void turn_gaze(const Session& session, double now);
 
@@ -88,6 +92,8 @@ class Participant : public devices::Source, public Observer {
   void draw_back(const Session& session, double now);
   Posture at_rest(double now) const;
 
+  /// Of the version that is played, or that is to be begun.
+  Colour next_colour() const;
   const Vec3& next_button(const Session& session) const;
   Vec2 button_spot(const Session& session) const;
   Vec2 ball_spot(const Session& session) const;
@@ -105,6 +111,8 @@ class Participant : public devices::Source, public Observer {
   int tries_ = 0;       ///< of that
   bool gave_up_ = false;
   std::size_t version_ = 0, versions_ = 1;
+  int astray_ = 0;          ///< times that another version began by accident before it was over
+  bool game_over_ = false;  ///< of the version
   int throws_ = 0, all_throws_ = 0;  ///< of the version, of the session
 
   int thumbs_ = 0;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -356,6 +357,86 @@ TEST(ParticipantTest, ItPlaysTheSameSheetsThroughAUnit) {
       ASSERT_EQ(there.p_W, here.p_W) << phase.count() << ' ' << here.kind;
     }
   }
+}
+
+/// A participant whose hand is at the blue button for a moment, a second after a ball was let go.
+class Brushing : public devices::Source, public Observer {
+ public:
+  /// @param times  after how many of the balls
+  Brushing(Participant& participant, const Scenario& scenario, int times)
+      : participant_(participant), scenario_(scenario), times_(times) {}
+
+  void poll(Time now, std::vector<devices::Sample>& out) override {
+    const std::size_t before = out.size();
+    participant_.poll(now, out);
+    for (std::size_t i = before; i < out.size(); ++i) {
+      auto* hand = std::get_if<devices::TrackerSample>(&out[i]);
+      if (!hand || hand->station != scenario_.rig.hand_station || !from_) continue;
+      if (hand->device_time < *from_ || hand->device_time > *from_ + 150ms) continue;
+      const Rig& rig = scenario_.rig;
+      Pose X_PH = rig.X_WT * hand->X_TS * rig.X_SH;
+      X_PH.p = scenario_.version.blue.button - p_WP_;
+      hand->X_TS = rig.X_WT.inverse() * X_PH * rig.X_SH.inverse();
+    }
+  }
+  bool exhausted() const override { return participant_.exhausted(); }
+
+  void tick(const Session& session) override {
+    p_WP_ = session.player.walk.p_WP;
+    for (const Event& event : session.events) {
+      if (event.kind == kind::release && times_-- > 0) from_ = event.time + 1s;
+    }
+  }
+
+ private:
+  Participant& participant_;
+  const Scenario& scenario_;
+  int times_;
+  std::optional<Time> from_;
+  Vec3 p_WP_ = Vec3::Zero();
+};
+
+/// The versions in order, with the balls of each: "red 1".
+std::vector<std::string> versions_brushed(int times, int throws, bool& gave_up) {
+  const Scenario scenario = participants_room();
+  Session session = make_session(scenario);
+  Participant participant({steady_person(), throws}, scenario);
+  Brushing brushing(participant, scenario, times);
+  SessionSeen seen;
+  NoPace pace;
+  Observer* const observers[] = {&participant, &brushing, &seen};
+  run(session, brushing, pace, observers,
+      [&](const Session& s) { return participant.finished() || s.now() > 600s; });
+  EXPECT_TRUE(participant.finished());
+  gave_up = participant.gave_up();
+  std::vector<std::pair<std::string, int>> versions;
+  for (const Event& event : seen.events) {
+    if (event.kind == kind::version) versions.emplace_back(event.detail.text(), 0);
+    if (event.kind == kind::release && !versions.empty()) ++versions.back().second;
+  }
+  std::vector<std::string> words;
+  for (const auto& [colour, balls] : versions) words.push_back(fmt::format("{} {}", colour, balls));
+  return words;
+}
+
+TEST(ParticipantTest, WhoBrushesTheOtherButtonBeginsItsVersionAgain) {
+  bool gave_up = false;
+  EXPECT_THAT(versions_brushed(1, 2, gave_up),
+              testing::ElementsAre("red 1", "blue 0", "red 2", "blue 2"));
+  EXPECT_FALSE(gave_up);
+}
+
+// With its last ball the version is over.
+TEST(ParticipantTest, WhoBrushesTheOtherButtonAfterTheLastBallGoesOnToThatVersion) {
+  bool gave_up = false;
+  EXPECT_THAT(versions_brushed(1, 1, gave_up), testing::ElementsAre("red 1", "blue 0", "blue 1"));
+  EXPECT_FALSE(gave_up);
+}
+
+TEST(ParticipantTest, GivesUpWhereTheOtherVersionBeginsTooOften) {
+  bool gave_up = false;
+  versions_brushed(100, 2, gave_up);
+  EXPECT_TRUE(gave_up);
 }
 
 }  // namespace
