@@ -285,8 +285,14 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"off_view_deg",
      "angle of a body from the middle of the view when its place was first above the threshold, or "
      "else when it differed most"},
+    {"one_game_each",
+     "whether each version was played once, and to its end, in the session that counts; null if there is "
+     "none"},
     {"operator", "address of the operator's page"},
     {"other_condition", "result of a separate throw under the condition that was given"},
+    {"other_games",
+     "participants who played a version more than once, or not to its end; they count, with all their "
+     "games"},
     {"other_order",
      "participants who played the two versions in another order than planned; they count"},
     {"other_publishers_samples",

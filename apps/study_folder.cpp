@@ -16,6 +16,7 @@
 #include "apps/streams.h"
 #include "base/input_file.h"
 #include "base/lock.h"
+#include "scene/play/score.h"
 #include "scene/record/events.h"
 #include "scene/record/file.h"
 #include "scene/scenario/files.h"
@@ -138,6 +139,10 @@ Run look_into(const Study& study, const study::PlannedParticipant& who, const fs
     versions.insert(event.detail.text());
   }
   run.both = versions.size() == 2;
+  std::set<std::string> games;
+  for (const scene::Sheet& game : scene::score(trial).games) {
+    run.one_game_each = run.one_game_each && game.over && games.insert(game.version).second;
+  }
   return run;
 } catch (const scene::NotBegun&) {
   return {.name = path.stem().string(), .path = path, .begun = false};

@@ -98,6 +98,8 @@ struct Run {
   bool both = false;      ///< both versions were begun
   double seconds = 0.0;
   bool is_virtual = false;
+  /// Neither version was begun more than once, and both were played to their end.
+  bool one_game_each = true;
   std::string first = {};  ///< version that was begun first: red or blue; empty if none was
   /// The first thing in which the recording is not what the plan has; empty if there is none.
   std::string not_planned = {};

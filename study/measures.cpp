@@ -50,8 +50,11 @@ SessionMeasures Measurer::measures(const scene::Session& session) const {
   SessionMeasures all = so_far_;
   for (const scene::Sheet& game : score_.games) {
     if (!all.versions.contains(game.version)) continue;
+    VersionMeasures& version = all.versions[game.version];
+    ++version.games;
+    version.games_over += game.over;
     for (const auto& frame : game.frames) {
-      for (const int felled : frame) all.versions[game.version].skittles += felled;
+      for (const int felled : frame) version.skittles += felled;
     }
   }
   for (const scene::ThrowRow& one : score_.throws) {

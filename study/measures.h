@@ -15,8 +15,9 @@ namespace headpin::study {
 
 /// Measures of one version.
 struct VersionMeasures {
-  int skittles = 0;  ///< as the sheet counts them
-  int throws = 0, fouls = 0;
+  int games = 0, games_over = 0;   ///< begun; played to their end
+  int skittles = 0;                ///< as the sheets of all these games count them
+  int throws = 0, fouls = 0;       ///< in all of them
   double release_speed_sum = 0.0;  ///< of its throws [m/s]
   double head_path_m = 0.0,
          hand_path_m = 0.0;        ///< in the world, of places a tenth of a second apart
@@ -27,6 +28,8 @@ struct VersionMeasures {
     if (throws == 0) return std::nullopt;
     return release_speed_sum / throws;
   }
+  /// Not so if the version was played more than once, or not to its end.
+  bool is_one_whole_game() const { return games <= 1 && games_over == games; }
 };
 
 struct SessionMeasures {

@@ -110,9 +110,16 @@ void add_version(bool changed, std::vector<Filled>& all) {
   };
   using V = VersionMeasures;
   using Number = std::optional<double>;
-  add("skittles", "whole", "", "skittles down that count, without points for bonus",
+  add("games", "whole", "",
+      "games of the version that were begun: 1, if its button was touched once",
+      [](const V& v) -> Number { return v.games; });
+  add("games_over", "whole", "", "of them, those that were played to their end",
+      [](const V& v) -> Number { return v.games_over; });
+  add("skittles", "whole", "",
+      "skittles down that count, of all games of the version, without points for bonus",
       [](const V& v) -> Number { return v.skittles; });
-  add("throws", "whole", "", "balls let go", [](const V& v) -> Number { return v.throws; });
+  add("throws", "whole", "", "balls let go, of all games of the version",
+      [](const V& v) -> Number { return v.throws; });
   add("fouls", "whole", "", "of them beyond the foul line",
       [](const V& v) -> Number { return v.fouls; });
   add("release_speed_mps", "number", "m/s", "of the balls as they left the hand, mean",
@@ -179,6 +186,12 @@ bool Person::has_drawn_answers() const {
 bool is_in_other_order(const Person& person) {
   const std::optional<bool> changed = played_changed_first(person);
   return changed && *changed != person.planned.allotted.changed_first;
+}
+
+bool has_other_games(const Person& person) {
+  return std::ranges::any_of(person.played.measures.versions, [](const auto& version) {
+    return !version.second.is_one_whole_game();
+  });
 }
 
 std::string why_not(const Design& design, const Questionnaire& questions, const Person& person) {

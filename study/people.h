@@ -41,6 +41,10 @@ struct Person {
 /// Whether a session was played in another order than the plan has. It counts all the same.
 bool is_in_other_order(const Person& person);
 
+/// Whether a version was played more than once, or not to its end. It counts all the same, with all of
+/// its games.
+bool has_other_games(const Person& person);
+
 /// The reason why a participant does not count; empty for one who counts.
 std::string why_not(const Design& design, const Questionnaire& questions, const Person& person);
 

@@ -60,12 +60,13 @@ void score(const ScoreOptions& options) {
       study::paper_tables(study.design, study.questions, counted.people, counted.of);
   write_tables(study, people, tables);
   nlohmann::ordered_json not_counted = nlohmann::ordered_json::array();
-  std::vector<std::string> other_order, not_played, otherwise;
+  std::vector<std::string> other_order, other_games, not_played, otherwise;
   for (const study::Person& person : people) {
     const std::string why = study::why_not(study.design, study.questions, person);
     if (!why.empty()) not_counted.push_back({{"participant", person.planned.id}, {"why_not", why}});
     if (why.empty() && person.played.run.empty()) not_played.push_back(person.planned.id);
     if (study::is_in_other_order(person)) other_order.push_back(person.planned.id);
+    if (study::has_other_games(person)) other_games.push_back(person.planned.id);
     if (why.empty() && !person.played.replays) otherwise.push_back(person.planned.id);
   }
   if (options.json) {
@@ -76,6 +77,7 @@ void score(const ScoreOptions& options) {
                        {"not_counted", not_counted},
                        {"not_played", not_played},
                        {"other_order", other_order},
+                       {"other_games", other_games},
                        {"simulated_otherwise", otherwise}});
   }
   fmt::print("{} of {} participants count{}\n", counted.people.size(), people.size(),
@@ -92,6 +94,11 @@ void score(const ScoreOptions& options) {
   if (!other_order.empty()) {
     fmt::print("  played in another order than planned: {} (see planned_first and played_first)\n",
                fmt::join(other_order, ", "));
+  }
+  if (!other_games.empty()) {
+    fmt::print(
+        "  a version played more than once, or not to its end: {} (see base_games and changed_games)\n",
+        fmt::join(other_games, ", "));
   }
   if (!otherwise.empty()) {
     fmt::print("  simulated otherwise than recorded: {} (see replays)\n",

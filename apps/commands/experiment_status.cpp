@@ -45,7 +45,8 @@ std::string played_in_words(const Study& study, const HowFar& one) {
   const std::string length = fmt::format("{}, {:.1f} s", told.name, told.seconds);
   if (counts) {
     return length + (told.is_virtual ? ", virtual" : "") +
-           (began_otherwise(study, *one.planned, told) ? ", in another order than planned" : "");
+           (began_otherwise(study, *one.planned, told) ? ", in another order than planned" : "") +
+           (told.one_game_each ? "" : ", a version played more than once, or not to its end");
   }
   return fmt::format("{}, {}", length, why_not(last));
 }
@@ -114,6 +115,7 @@ void tell_status(const StatusOptions& options) {
            {"run", counts ? nlohmann::json(counts->name) : nlohmann::json()},
            {"in_other_order", counts ? nlohmann::json(began_otherwise(study, *one.planned, *counts))
                                      : nlohmann::json()},
+           {"one_game_each", counts ? nlohmann::json(counts->one_game_each) : nlohmann::json()},
            {"answers", study.questions.items.size() - one.missing},
            {"replaced_by", one.replaced_by}});
     }

@@ -389,5 +389,35 @@ TEST_F(StudyPeople, WhoEndsTheInputOfATerminalKeepsTheAnswersAndGoesOnLater) {
                  "p001: 2 of 11 questions are answered; the same command continues with the next");
 }
 
+// A button that is brushed begins a game, and cuts the one before.
+TEST_F(StudyPeople, WhoPlayedAVersionTwiceOrNotToItsEndIsNamed) {
+  plan(2);
+  const fs::path room = folder_ / "study/scenario.toml";
+  std::string text = slurp(room);
+  for (const auto& [from, to] :
+       {std::pair("\nframes = 5", "\nframes = 1"), {"\nballs = 2", "\nballs = 1"}}) {
+    ASSERT_NE(text.find(from), std::string::npos);
+    text.replace(text.find(from), std::string_view(from).size(), to);
+  }
+  spit(room, text);
+  ASSERT_EQ(headpin("experiment run study --participant p001 --virtual").code, 0);
+  rewrite_trial(folder_ / "t.lcmlog", folder_ / "no_ball.lcmlog", [](scene::Trial& trial) {
+    for (devices::Sample& sample : trial.samples) {
+      if (auto* mouse = std::get_if<devices::MouseSample>(&sample)) mouse->trigger = false;
+    }
+  });
+  ASSERT_EQ(headpin("experiment run study --trial no_ball.lcmlog --participant p002").code, 0);
+  const nlohmann::json status = json("experiment status study --json")["participants"];
+  EXPECT_EQ(status[0]["one_game_each"], true);
+  EXPECT_EQ(status[1]["one_game_each"], false);
+  const std::string words = headpin("experiment status study").out;
+  const std::string says = "a version played more than once, or not to its end";
+  EXPECT_THAT(words, HasSubstr(" s, " + says + "\n"));
+  EXPECT_EQ(words.find(says), words.rfind(says));
+  EXPECT_EQ(json("experiment score study --json")["other_games"], nlohmann::json::array({"p002"}));
+  EXPECT_THAT(headpin("experiment score study").out,
+              HasSubstr("  " + says + ": p002 (see base_games and changed_games)\n"));
+}
+
 }  // namespace
 }  // namespace headpin
