@@ -34,11 +34,11 @@ void Measurer::tick(const scene::Session& session) {
       head_W_.reset();
       hand_W_.reset();
     }
-    const auto* passed = event.detail.get_if<scene::PassedPlayer>();
-    if (!passed || version_.empty()) continue;
+    if (version_.empty()) continue;
     VersionMeasures& version = so_far_.versions[version_];
-    ++version.approaches;
-    version.evaded += passed->moved;
+    version.approaches += event.kind == scene::kind::flies_at_player;
+    const auto* passed = event.detail.get_if<scene::PassedPlayer>();
+    version.evaded += passed && passed->moved;
   }
   if (version_.empty()) return;
   VersionMeasures& version = so_far_.versions[version_];

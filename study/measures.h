@@ -20,8 +20,9 @@ struct VersionMeasures {
   int throws = 0, fouls = 0;       ///< in all of them
   double release_speed_sum = 0.0;  ///< of its throws [m/s]
   double head_path_m = 0.0,
-         hand_path_m = 0.0;        ///< in the world, of places a tenth of a second apart
-  int approaches = 0, evaded = 0;  ///< what flew at the player; got out of its way
+         hand_path_m = 0.0;  ///< in the world, of places a tenth of a second apart
+  /// What flew at the player; got out of its way, where the approach ended before the version.
+  int approaches = 0, evaded = 0;
   std::int64_t ticks = 0;
 
   std::optional<double> release_speed() const {

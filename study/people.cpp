@@ -130,7 +130,9 @@ void add_version(bool changed, std::vector<Filled>& all) {
       [](const V& v) -> Number { return v.head_path_m; });
   add("approaches", "whole", "", "times that a ball or a skittle flew at the player",
       [](const V& v) -> Number { return v.approaches; });
-  add("evaded", "whole", "", "of them, those that head or hand got out of the way of",
+  add("evaded", "whole", "",
+      "of them, those that head or hand got out of the way of; one that was under way as the version "
+      "ended is not among them",
       [](const V& v) -> Number { return v.evaded; });
 }
 

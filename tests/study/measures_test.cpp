@@ -72,5 +72,21 @@ TEST_F(Measured, CountsTheGamesOfAVersionAndThoseThatWerePlayedToTheirEnd) {
   EXPECT_TRUE(VersionMeasures{}.is_one_whole_game()) << "a game without counting has no sheet";
 }
 
+// Of one that is under way as the version ends, no event tells how it went.
+TEST_F(Measured, CountsAnApproachThatTheNextVersionCutsOff) {
+  begin(scene::Colour::red);
+  happens({event(scene::kind::flies_at_player)});
+  happens({event(scene::kind::passed_player, scene::PassedPlayer{.moved = true})});
+  happens({event(scene::kind::flies_at_player)});
+  begin(scene::Colour::blue);
+  happens({event(scene::kind::flies_at_player)});
+  happens({event(scene::kind::passed_player, scene::PassedPlayer{})});
+  const VersionMeasures red = measures().versions.at("red"), blue = measures().versions.at("blue");
+  EXPECT_EQ(red.approaches, 2);
+  EXPECT_EQ(red.evaded, 1);
+  EXPECT_EQ(blue.approaches, 1);
+  EXPECT_EQ(blue.evaded, 0);
+}
+
 }  // namespace
 }  // namespace headpin::study
