@@ -44,7 +44,7 @@ study::Played measured(const Run& run) {
   study::Played played;
   played.run = run.name;
   played.is_virtual = run.is_virtual;
-  played.longest_gap_s = seconds(trial.longest_gap.length());
+  played.longest_gap_s = nearest_seconds(trial.longest_gap.length());
   for (const auto& [device, summary] : trial.devices) {
     played.lost += summary.lost;
     played.bad += summary.bad;

@@ -68,7 +68,7 @@ SessionMeasures Measurer::measures(const scene::Session& session) const {
   all.unsolved_islands = session.statistics.unsolved;
   all.state_hash = scene::in_hex(session.state_hash);
   all.game_hash = scene::in_hex(session.game_hash.value());
-  all.duration_s = seconds(session.now());
+  all.duration_s = nearest_seconds(session.now());
   return all;
 }
 

@@ -88,5 +88,12 @@ TEST_F(Measured, CountsAnApproachThatTheNextVersionCutsOff) {
   EXPECT_EQ(blue.evaded, 0);
 }
 
+// 218.9 is no sum of binary fractions: what stands for it prints as it.
+TEST_F(Measured, TellsItsDurationAsTheDecimalNumber) {
+  session_.tick = 52536;
+  ASSERT_EQ(session_.now(), Time{218'900'000});
+  EXPECT_EQ(measures().duration_s, 218.9);
+}
+
 }  // namespace
 }  // namespace headpin::study
