@@ -226,7 +226,9 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"lateness_p99_s",
      "99 % quantile of the delay of a sample against its time in the trial, to 1 %"},
     {"launch_angle_deg", "direction of a ball at its release, to the right of the lane's axis"},
-    {"leave", "numbers of the skittles that stood when a ball was counted: 4-7"},
+    {"leave",
+     "numbers of the skittles that stood when a ball was counted, or were set up again at once after a "
+     "foul or for a stray ball: 4-7"},
     {"ledger", "energy that each phase added (docs/hash-and-ledger.md)"},
     {"left_arcmin",
      "largest angle between the two places of a body on the left retina, while that eye sees it"},

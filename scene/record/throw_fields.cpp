@@ -89,8 +89,8 @@ std::vector<TableField<ThrowRow>> lane_fields() {
          return fmt::format("{}", fmt::join(r.touched, "-"));
        }},
       {"leave", "text", "",
-       "numbers of the skittles that stood when the ball was counted: 4-7; empty after a strike and "
-       "without a game",
+       "numbers of the skittles that stood when the ball was counted, and of those that were set up again "
+       "at once, after a foul or for a stray ball: 4-7; empty after a strike and without a game",
        [](const ThrowRow& r) { return maybe(r.leave); }}};
 }
 

@@ -196,5 +196,17 @@ TEST(ScoreOfEvents, OfATrialThatLacksAKeyIsByTheRulesOfToday) {
   EXPECT_THAT(score(trial).games.at(0).marks, IsEmpty());
 }
 
+// Of a stray ball: no ball has knocked it down, and the next one finds it.
+TEST(ScoreOfEvents, ALeaveHasTheSkittlesThatAreSetUpAgainAtOnce) {
+  Told told(GameKind::plain, 4);
+  told.at(240, kind::release).at(700, kind::set_again, {"skittle 4"}, 1.0);
+  told.counted(700, {"skittle 1"});
+  EXPECT_EQ(told.row().leave, "2-3-4");
+  const std::vector<TableColumn> columns = table_columns();
+  const auto leave = std::ranges::find(columns, "leave", &TableColumn::name);
+  ASSERT_NE(leave, columns.end());
+  EXPECT_THAT(leave->meaning, testing::HasSubstr("set up again at once"));
+}
+
 }  // namespace
 }  // namespace headpin::scene
