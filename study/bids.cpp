@@ -30,6 +30,10 @@ struct Channel {
 
 const std::vector<const char*> kPoseParts = {"x", "y", "z", "quat_w", "quat_x", "quat_y", "quat_z"};
 
+constexpr const char* kNotInPlay =
+    "n/a is the pose of a body that is not in play: of a skittle that was counted, and of a hand that is "
+    "not tracked, carries something or is not clear yet of what it let go";
+
 std::string line(const std::vector<std::string>& cells) {
   std::string text;
   for (const std::string& cell : cells) text += (text.empty() ? "" : "\t") + cell;
@@ -389,10 +393,11 @@ std::string bids_readme(const Design& design, const std::vector<Person>& people,
       "parameter of the collisions changes.\n{}"
       "tracksys-head and tracksys-hand (tracksys-lefthand of a left hand) are what the tracker "
       "measured, tracksys-simulated is what "
-      "the simulation made of it. The events have the buttons among them. {}{}\n",
+      "the simulation made of it. There, {}. The events have the buttons among them. {}{}\n",
       name_of(design),
       virtuals ? "Some or all of the participants are virtual: see `virtual` in participants.tsv.\n"
                : "",
+      kNotInPlay,
       deidentified
           ? "The participants have numbers in place of their names, and the trials are left out."
       : all_replay ? "sourcedata/ holds the trials themselves, which headpin replays to the bit."
@@ -441,8 +446,15 @@ void SimulatedSystem::tick(const scene::Session& session) {
   if (session.tick % every_ != 0) return;
   scene::tick_state(session, state_);
   std::string row = exact_seconds(state_.time);
-  for (const scene::BodyState& body : state_.bodies) {
-    const Pose& X = body.X_WB;
+  for (std::size_t i = 0; i < state_.bodies.size(); ++i) {
+    const Pose& X = state_.bodies[i].X_WB;
+    if (scene::is_away(*session.stage, static_cast<engine::BodyId>(i), X)) {
+      for (std::size_t part = 0; part < kPoseParts.size(); ++part) {
+        row += '\t';
+        row += kNoAnswer;
+      }
+      continue;
+    }
     for (const double value : {X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(), X.q.y(), X.q.z()}) {
       row += fmt::format("\t{:.6g}", value);
     }
@@ -460,7 +472,8 @@ std::vector<BidsFile> SimulatedSystem::files(const BidsSession& session) const {
   for (const std::string& name : names_) add_pose(channels, name);
   Json sidecar = motion_json(channels, "headpin", rate_hz_, rows_, seconds(state_.time - first_));
   sidecar["TaskDescription"] =
-      fmt::format("Bodies of the virtual room, simulated; a frame of 1/{:.6g} s a row", rate_hz_);
+      fmt::format("Bodies of the virtual room, simulated; a frame of 1/{:.6g} s a row; {}",
+                  rate_hz_, kNotInPlay);
   return {{name_of(session, "simulated", "motion.json"), sidecar.dump(2) + "\n"},
           {name_of(session, "simulated", "channels.tsv"), channels_tsv(channels)},
           {name_of(session, "simulated", "channels.json"),

@@ -88,14 +88,9 @@ bool is_down(const Field& f, engine::BodyId skittle) {
   return has_fallen(f.world.states[skittle].X_WB) || is_off_spot(f.world, f.stage, skittle);
 }
 
-/// Puts a skittle away: upright beside the others behind the wall ahead, where it is not visible.
 void put_away(const Field& f, engine::BodyId skittle) {
-  constexpr double kBehind = 1.0, kApart = 0.3;
   engine::set_kind(f.world, skittle, engine::Kind::driven);
-  engine::State away;
-  away.X_WB.p = Vec3(kApart * static_cast<double>(skittle), f.stage.scenario.room.ahead + kBehind,
-                     f.stage.skittle_centre);
-  engine::set_state(f.world, skittle, away);
+  engine::set_state(f.world, skittle, {away_pose(f.stage, skittle), Vec3::Zero(), Vec3::Zero()});
 }
 
 /// Puts a body back to its initial state in the stage.

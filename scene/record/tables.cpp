@@ -156,7 +156,10 @@ std::vector<TableField<StateRow>> state_fields() {
               [](const Row& r) -> TableValue { return r.tick.hash; }},
              {"contacts", "whole", "", "number of contact points of all bodies in the tick",
               [](const Row& r) -> TableValue { return r.tick.contacts; }},
-             {"body", "text", "", "name of the body",
+             {"body", "text", "",
+              "name of the body; `hand` is below the floor, at z = -10 m, while it is not tracked, carries "
+              "something or is not clear yet of what it let go; a skittle that was counted stands upright "
+              "behind the wall ahead",
               [](const Row& r) -> TableValue { return std::string(r.name); }}} +
          pose_fields<[](const Row& r) -> const Pose& { return r.body.X_WB; }, Row>(
              "position of the centre of mass in the world",

@@ -22,6 +22,17 @@ std::string numbered(const std::string& name, std::size_t before) {
 
 }  // namespace
 
+Pose away_pose(const Stage& stage, engine::BodyId skittle) {
+  constexpr double kBehind = 1.0, kApart = 0.3;
+  return {Quat::Identity(), Vec3(kApart * static_cast<double>(skittle),
+                                 stage.scenario.room.ahead + kBehind, stage.skittle_centre)};
+}
+
+bool is_away(const Stage& stage, engine::BodyId body, const Pose& X_WB) {
+  if (stage.roles[body] == Role::hand) return X_WB.p == kAway.p;
+  return stage.roles[body] == Role::skittle && X_WB.p == away_pose(stage, body).p;
+}
+
 Stage make_stage(const Scenario& scenario) {
   Stage stage;
   stage.scenario = scenario;

@@ -35,6 +35,13 @@ struct Stage {
 /// The pose of an absent hand: below the floor.
 inline const Pose kAway{Quat::Identity(), Vec3(0.0, 0.0, -10.0)};
 
+/// The pose of a skittle that was counted: upright beside the others behind the wall ahead, where it is
+/// not visible.
+Pose away_pose(const Stage& stage, engine::BodyId skittle);
+
+/// Whether a body with this pose is not in play: an absent hand, or a skittle that was counted.
+bool is_away(const Stage& stage, engine::BodyId body, const Pose& X_WB);
+
 /// The room, a ball on its stand, a rack of skittles and the hand, as the scenario has them.
 Stage make_stage(const Scenario& scenario);
 

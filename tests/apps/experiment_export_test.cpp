@@ -388,5 +388,34 @@ TEST_F(StudyExport, AScriptOfAnotherVersionIsWrittenAgainUnlessItWasEdited) {
   }
 }
 
+// A counted skittle stands behind the wall, where it would be taken for one that was not knocked down.
+TEST_F(StudyExport, HasPosesOfBodiesInPlayOnly) {
+  play(1);
+  ASSERT_EQ(headpin("experiment export study --motion-bids data").code, 0);
+  ASSERT_EQ(headpin("export study/sessions/p001/run-01.lcmlog -o was").code, 0);
+  EXPECT_THAT(slurp(folder_ / "was/columns.csv"),
+              HasSubstr("a skittle that was counted stands upright behind the wall ahead"));
+  EXPECT_THAT(slurp(folder_ / "data/README"), HasSubstr("n/a is the pose of a body that is not"));
+  const std::string motion =
+      "data/sub-p001/motion/sub-p001_task-bowling_tracksys-simulated_run-01_";
+  const auto channels = rows(slurp(folder_ / (motion + "channels.tsv")), '\t');
+  int unknown = 0;
+  for (const auto& row : rows(slurp(folder_ / (motion + "motion.tsv")), '\t')) {
+    ASSERT_EQ(row.size(), channels.size() - 1);  // a line of names
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      unknown += row[i] == "n/a";
+      if (channels[i + 1][0] == "hand_z") {
+        ASSERT_NE(row[i], "-10");
+      }
+      const bool along = channels[i + 1][0].starts_with("skittle") && channels[i + 1][1] == "y";
+      if (along && row[i] != "n/a") {
+        ASSERT_LT(std::stod(row[i]), 8.0);  // the wall is at 7.6
+      }
+    }
+  }
+  EXPECT_GT(unknown, 0);
+  EXPECT_EQ(unknown % 7, 0);
+}
+
 }  // namespace
 }  // namespace headpin

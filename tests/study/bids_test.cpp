@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/random.h"
+#include "scene/play/session.h"
 #include "scene/record/events.h"
 #include "study/bids_read.h"
 #include "tests/support/folder.h"
@@ -371,6 +372,39 @@ TEST(MotionBidsTables, OfSlowTrackersHaveTheirRateAndOfOneSampleNone) {
   EXPECT_EQ(one["RecordingDuration"], 0.0);
   EXPECT_FALSE(one.contains("SamplingFrequency"));
   EXPECT_FALSE(one.contains("SamplingFrequencyEffective"));
+}
+
+// Their poses are no places in the room: a hand below the floor, a skittle behind the wall.
+TEST(MotionBidsTables, OfTheSimulationHaveNoPosesOfBodiesThatAreNotInPlay) {
+  scene::Session session = scene::make_session(scene::Scenario{});
+  ASSERT_TRUE(session.stage->hand);
+  const engine::BodyId hand = *session.stage->hand, skittle = session.stage->skittles.at(2);
+  std::string table;
+  SimulatedSystem simulated([&](const std::string& row) { table += row; });
+  simulated.start(session);
+  const auto seven_of = [&](engine::BodyId body) {
+    table.clear();
+    session.tick += 4;
+    simulated.tick(session);
+    std::vector<std::string> cells;
+    std::istringstream row(table.substr(0, table.find('\n')));
+    for (std::string cell; std::getline(row, cell, '\t');) cells.push_back(cell);
+    EXPECT_EQ(cells.size(), 1 + 7 * session.world.states.size());
+    const auto first = cells.begin() + 1 + 7 * static_cast<std::ptrdiff_t>(body);
+    return std::vector<std::string>(first, first + 7);
+  };
+  EXPECT_THAT(seven_of(hand), testing::Each("n/a"));
+  EXPECT_THAT(seven_of(skittle), testing::Each(testing::Ne("n/a")));
+  session.world.states[skittle].X_WB = scene::away_pose(*session.stage, skittle);
+  session.world.states[hand].X_WB.p = Vec3(0.25, -1.0, 1.0);
+  EXPECT_THAT(seven_of(skittle), testing::Each("n/a"));
+  EXPECT_THAT(seven_of(hand), testing::ElementsAre("0.25", "-1", "1", "1", "0", "0", "0"));
+  scene::TrialHeader header;
+  for (const auto& [name, text] : simulated.files({"p001", "01", &header, {}, {}})) {
+    if (!name.ends_with("_motion.json")) continue;
+    EXPECT_THAT(nlohmann::json::parse(text)["TaskDescription"].get<std::string>(),
+                testing::HasSubstr("n/a is the pose of a body that is not in play"));
+  }
 }
 
 }  // namespace
