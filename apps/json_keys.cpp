@@ -283,7 +283,8 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"noticed_s", "time at which the body began to fly at the player"},
     {"of_another", "number of pieces of a sweep that another headpin was simulating"},
     {"of_throws", "number of throws in the costs"},
-    {"of_virtual", "whose tables these are: yes: virtual participants; no: people; mixed: both"},
+    {"of_virtual",
+     "whose tables these are: yes: virtual participants; no: people; mixed: both; n/a: nobody's"},
     {"off_view_deg",
      "angle of a body from the middle of the view when its place was first above the threshold, or "
      "else when it differed most"},

@@ -139,7 +139,11 @@ Counted counted_of(const Study& study, const std::vector<study::Person>& all,
                     "people, --only virtual, or --mix for all of them together",
                     virtuals, counted.people.size()));
   }
-  counted.of = virtuals == 0 ? "no" : virtuals == counted.people.size() ? "yes" : "mixed";
+  if (counted.people.empty()) {
+    counted.of = study::kNoAnswer;
+  } else {
+    counted.of = virtuals == 0 ? "no" : virtuals == counted.people.size() ? "yes" : "mixed";
+  }
   return counted;
 }
 

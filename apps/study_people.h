@@ -18,7 +18,7 @@ std::vector<study::Person> people_of(const Study& study, int jobs);
 /// The participants in the tables.
 struct Counted {
   std::vector<study::Person> people;
-  std::string of;  ///< "yes": virtual participants, "no": people, "mixed"
+  std::string of;  ///< "yes": virtual participants, "no": people, "mixed"; "n/a" if there are none
 };
 
 /// Which participants are counted together; people and virtual participants are not mixed by

@@ -14,8 +14,9 @@ namespace {
 const Column kPeople = {"people", "whole", "", "how many of those who are counted"};
 const Column kPublishedPeople = {"published", "whole", "",
                                  "how many were published; n/a where none were"};
-const Column kVirtual = {"virtual", "text", "",
-                         "yes: of virtual participants; no: of people; mixed: of both"};
+const Column kVirtual = {
+    "virtual", "text", "",
+    "yes: of virtual participants; no: of people; mixed: of both; n/a: of nobody"};
 
 std::string count(std::int64_t n) {
   return fmt::format("{}", n);

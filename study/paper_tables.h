@@ -15,7 +15,7 @@ struct Table {
   std::vector<std::vector<std::string>> rows;
 };
 
-/// @param of  "yes" for virtual participants, "no" for people, "mixed": stands in a column
+/// @param of  "yes" for virtual participants, "no" for people, "mixed", "n/a" for nobody: stands in a column
 std::vector<Table> paper_tables(const Design& design, const Questionnaire& questions,
                                 const std::vector<Person>& counted, const std::string& of);
 

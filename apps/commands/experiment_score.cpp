@@ -81,9 +81,9 @@ void score(const ScoreOptions& options) {
                        {"simulated_otherwise", otherwise}});
   }
   fmt::print("{} of {} participants count{}\n", counted.people.size(), people.size(),
-             counted.of == "no"    ? ""
-             : counted.of == "yes" ? ", all virtual"
-                                   : ", people and virtual ones");
+             counted.of == "yes"     ? ", all virtual"
+             : counted.of == "mixed" ? ", people and virtual ones"
+                                     : "");
   for (const auto& one : not_counted) {
     fmt::print("  not {}: {}\n", one["participant"].get<std::string>(),
                one["why_not"].get<std::string>());

@@ -419,5 +419,15 @@ TEST_F(StudyPeople, WhoPlayedAVersionTwiceOrNotToItsEndIsNamed) {
               HasSubstr("  " + says + ": p002 (see base_games and changed_games)\n"));
 }
 
+TEST_F(StudyPeople, TablesOfNobodyAreNoPeoples) {
+  plan(1);
+  const nlohmann::json scored = json("experiment score study --json");
+  EXPECT_EQ(scored["counted"], 0);
+  EXPECT_EQ(scored["of_virtual"], "n/a");
+  EXPECT_THAT(slurp(folder_ / "study/tables/table-2.csv"), HasSubstr("\ntotal,,0,18,n/a\n"));
+  EXPECT_THAT(headpin("experiment score study").out,
+              testing::StartsWith("0 of 1 participants count\n"));
+}
+
 }  // namespace
 }  // namespace headpin
