@@ -22,6 +22,7 @@
 #include "devices/emulated/unit.h"
 #include "devices/lines/byte_stream.h"
 #include "devices/lines/command_pipe.h"
+#include "devices/lines/tcp.h"
 
 namespace headpin::apps {
 namespace {

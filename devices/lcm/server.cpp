@@ -14,6 +14,7 @@
 #include <sys/socket.h>
 
 #include "devices/lines/byte_stream.h"
+#include "devices/lines/tcp.h"
 
 namespace headpin::devices {
 namespace {

@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "devices/lines/tcp.h"
+
 namespace headpin::devices {
 namespace {
 

@@ -16,6 +16,7 @@
 
 #include "base/lock.h"
 #include "devices/lines/lasting_line.h"
+#include "devices/lines/tcp.h"
 #include "tests/support/folder.h"
 
 namespace headpin::devices {
@@ -445,6 +446,41 @@ TEST(TcpServerTest, TheClientSeesTheEnd) {
   std::array<std::uint8_t, 8> bytes{};
   client->read(bytes);
   EXPECT_TRUE(client->closed());
+}
+
+// `printf S | nc -N` shuts its half at once. It was hung up before the answer was due.
+TEST(TcpServerTest, AClientThatSendsNoMoreGetsItsAnswerAndIsHungUpAfterThat) {
+  TcpServer server(0);
+  const auto client = connect_tcp("127.0.0.1", server.port());
+  put(*client, "S");
+  EXPECT_EQ(get(server, 1), "S");
+  pollfd end{server.descriptor(), POLLIN, 0};
+  ASSERT_EQ(::shutdown(client->descriptor(), SHUT_WR), 0);
+  ASSERT_EQ(::poll(&end, 1, -1), 1);
+  std::array<std::uint8_t, 64> bytes{};
+  EXPECT_EQ(server.read(bytes), 0u);
+  pollfd news{server.descriptor(), POLLIN, 0};
+  EXPECT_EQ(::poll(&news, 1, 0), 0);  // its end is no news any more
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(put(server, "answer"), 6u);
+  EXPECT_EQ(get(*client, 18), "answeransweranswer");
+  while (!client->closed()) {
+    server.read(bytes);
+    client->read(bytes);
+    ::poll(nullptr, 0, 1);
+  }
+}
+
+TEST(TcpServerTest, ANewcomerTakesThePlaceOfAClientThatSendsNoMore) {
+  TcpServer server(0);
+  const auto first = connect_tcp("127.0.0.1", server.port());
+  put(*first, "S");
+  EXPECT_EQ(get(server, 1), "S");
+  ASSERT_EQ(::shutdown(first->descriptor(), SHUT_WR), 0);
+  const auto second = connect_tcp("127.0.0.1", server.port());
+  put(*second, "P");
+  EXPECT_EQ(get(server, 1), "P");
+  put(server, "answer");
+  EXPECT_EQ(get(*second, 6), "answer");
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "devices/fastrak/driver.h"
 #include "devices/fastrak/serving.h"
 #include "devices/lines/lasting_line.h"
+#include "devices/lines/tcp.h"
 #include "tests/devices/fastrak_bench.h"
 #include "tests/support/folder.h"
 
@@ -244,8 +245,7 @@ TEST(FastrakDriverTest, OnlyALineWithARateIsSearchedForIt) {
   auto [unit_end, host_end] = memory_streams();
   for (const bool tcp : {true, false}) {
     Clocks clocks;
-    FastrakDriver driver(tcp ? open_line("tcp:" + silent.name(), 115200) : std::move(host_end),
-                         clocks);
+    FastrakDriver driver(tcp ? open_line(silent.name(), 115200) : std::move(host_end), clocks);
     std::vector<Sample> none;
     for (Time now{}; driver.statistics().attempts < 20; now += 10ms) driver.poll(now, none);
     EXPECT_THAT(driver.activity(), testing::HasSubstr("(attempt 20"));

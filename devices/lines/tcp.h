@@ -1,0 +1,68 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "devices/lines/byte_stream.h"
+
+namespace headpin::devices {
+
+/// Connects to a byte stream on TCP. It is closed about 8 s after the other end went away without a
+/// word, as a machine does that is switched off.
+///
+/// @param host      name or number
+/// @param patience  how long to wait for an answer
+/// @throws std::runtime_error  when nobody answers there
+std::unique_ptr<ByteStream> connect_tcp(
+    const std::string& host, int port,
+    std::chrono::milliseconds patience = std::chrono::seconds(5));
+
+/// A TCP server; one client at a time: a newcomer is hung up while it is there.
+///
+/// Bytes that are written while no client is connected are lost. A client that has shut only its
+/// sending half, as `printf S | nc -N` does, still gets its answers: it is hung up when nothing was
+/// written for a second.
+class TcpServer : public ByteStream {
+ public:
+  /// @param port     0 for any free one
+  /// @param address  of the interface to serve, a number; the default only this machine
+  /// @throws base::Busy         when the port is taken; these errors name neither address nor port
+  /// @throws std::runtime_error  when the port cannot be opened
+  /// @throws std::invalid_argument  when the address is not one of this computer
+  explicit TcpServer(int port, const std::string& address = "127.0.0.1");
+  ~TcpServer() override;
+  TcpServer(const TcpServer&) = delete;
+  TcpServer& operator=(const TcpServer&) = delete;
+
+  int port() const { return port_; }
+  /// tcp:ADDRESS:PORT, as open_line() takes it
+  std::string name() const { return "tcp:" + address_ + ":" + std::to_string(port_); }
+
+  std::size_t read(std::span<std::uint8_t> out) override;
+  std::size_t write(Bytes bytes) override;
+  bool renewed() override {
+    accept_newcomer();
+    return std::exchange(renewed_, false);
+  }
+  bool closed() const override { return false; }
+  /// The client's while it may send.
+  int descriptor() const override { return client_ >= 0 && !sends_no_more_ ? client_ : listener_; }
+
+ private:
+  void accept_newcomer();
+  void hang_up();
+
+  bool renewed_ = false;
+  int listener_ = -1;
+  int client_ = -1;
+  bool sends_no_more_ = false;                            ///< the client
+  std::chrono::steady_clock::time_point last_offered_{};  ///< when bytes were last written for it
+  std::string address_;
+  int port_ = 0;
+};
+
+}  // namespace headpin::devices
