@@ -16,6 +16,7 @@
 #include "apps/options.h"
 #include "apps/streams.h"
 #include "devices/fastrak/clients.h"
+#include "devices/fastrak/readings.h"
 #include "devices/lines/lasting_line.h"
 
 namespace headpin::apps {
@@ -94,7 +95,7 @@ void reset(PortLine& line) {
 
 struct Row {
   std::string client;
-  bool skipped = false;
+  std::string skipped;  ///< why it could not be tried; empty: it was
   std::vector<devices::FastrakDemand> demands;
   int tries = 0;
 
@@ -106,7 +107,7 @@ struct Row {
 
 nlohmann::ordered_json as_json(const Row& row) {
   nlohmann::ordered_json json = {{"client", row.client},
-                                 {"skipped", row.skipped},
+                                 {"skipped", !row.skipped.empty()},
                                  {"demands", row.demands.size()},
                                  {"tries", row.tries}};
   json["unmet"] = nlohmann::json::array();
@@ -118,10 +119,10 @@ nlohmann::ordered_json as_json(const Row& row) {
   return json;
 }
 
-void print_row(const Row& row, int stations) {
+void print_row(const Row& row) {
   const devices::FastrakDemand* unmet = row.unmet();
-  if (row.skipped) {
-    fmt::print("{:<24}skipped: needs more than {} receivers\n", row.client, stations);
+  if (!row.skipped.empty()) {
+    fmt::print("{:<24}skipped: {}\n", row.client, row.skipped);
   } else if (unmet) {
     fmt::print("{:<24}FAILS: sent {}, expected {}, found {}\n", row.client, unmet->sent,
                unmet->what, unmet->found);
@@ -153,6 +154,10 @@ std::vector<Row> examine_all(PortLine& line, const ConformanceOptions& options, 
   rows[0].client = kReadings;
   examine(rows[0], line,
           [&](auto& demands) { stations = devices::examine_readings(line, demands); });
+  const bool move = std::ranges::any_of(rows[0].demands, &devices::FastrakDemand::receivers_move);
+  if (move && !rows[0].unmet()) {
+    rows[0].skipped = "the receivers move: hold them still for the readings";
+  }
   const bool answers = std::ranges::any_of(
       rows[0].demands, [](const auto& demand) { return demand.met || demand.found != "nothing"; });
   if (!answers) {
@@ -164,8 +169,10 @@ std::vector<Row> examine_all(PortLine& line, const ConformanceOptions& options, 
   see(rows[0]);
   for (const devices::FastrakClient& client : devices::fastrak_clients()) {
     if (!options.client.empty() && options.client != client.name) continue;
-    Row row{std::string(client.name), stations < client.least_stations, {}};
-    if (!row.skipped) {
+    Row row{std::string(client.name), "", {}};
+    if (stations < client.least_stations) {
+      row.skipped = fmt::format("needs more than {} receivers", stations);
+    } else {
       examine(row, line, [&](auto& demands) {
         devices::run_client(client, line, stations, microseconds(options.seconds), demands);
       });
@@ -195,7 +202,7 @@ void examine_unit(const ConformanceOptions& options) {
   PortLine line(options.line, options.baud);
   int stations = 0;
   const std::vector<Row> rows = examine_all(line, options, stations, [&](const Row& row) {
-    if (!options.json) print_row(row, stations);
+    if (!options.json) print_row(row);
   });
   reset(line);
   nlohmann::ordered_json table = nlohmann::json::array();
@@ -225,9 +232,10 @@ void add_conformance(CLI::App& app) {
   add_json(*command, options->json);
   command->footer(fmt::format("Clients: {}", fmt::join(client_names(), ", ")) +
                   ".\nFirst, the command reads the pose in inches and centimetres, in ASCII and "
-                  "binary, as angles,\nquaternion and direction cosines; all must agree. A check "
-                  "that fails is repeated once. All checks\ntake about two minutes. The unit is "
-                  "left running in its factory settings; nothing is saved in it.\n\nExample:\n  "
+                  "binary, as angles,\nquaternion and direction cosines; all must agree. Hold the "
+                  "receivers still for that, above all on a\nslow line. A check that fails is "
+                  "repeated once. All checks take about two minutes. The unit is left\nrunning in "
+                  "its factory settings; nothing is saved in it.\n\nExample:\n  "
                   "headpin conformance /dev/ttyUSB0");
   command->callback([options] { examine_unit(*options); });
 }

@@ -1,11 +1,11 @@
 #include "devices/fastrak/clients.h"
 
 #include <algorithm>
-#include <cstdint>
+#include <array>
+#include <string>
 
 #include <fmt/format.h>
 
-#include "devices/fastrak/geometry.h"
 #include "devices/fastrak/replies.h"
 #include "devices/fastrak/setup.h"
 
@@ -13,39 +13,13 @@ namespace headpin::devices {
 namespace {
 
 using namespace std::chrono_literals;
-using Demands = std::vector<FastrakDemand>;
-
-/// How long the line needs for this many bytes, with a start and a stop bit for each.
-Time time_of(std::size_t bytes, const FastrakLine& line) {
-  return Time{static_cast<std::int64_t>(bytes) * 10'000'000 / line.baud()};
-}
-
-void demand(FastrakLine& line, Demands& demands, std::string what, bool met,
-            std::string_view found) {
-  demands.push_back(
-      {shown_bytes(line.sent()), std::move(what), met, met ? "" : shown_bytes(found)});
-}
-
-/// Sends a text that must have no answer.
-void tell(FastrakLine& line, Demands& demands, std::string_view text, Time span) {
-  const std::string heard = line.ask(text, span);
-  demand(line, demands, "no answer", heard.empty(), heard);
-}
+using Demands = FastrakDemands;
 
 /// Sends a text that must have this answer.
 void expect(FastrakLine& line, Demands& demands, std::string_view text, Time span,
             std::string_view answer) {
   const std::string heard = line.ask(text, span, answer.size());
   demand(line, demands, fmt::format("the answer {}", shown_bytes(answer)), heard == answer, heard);
-}
-
-/// Sends a command for each station, from the first to the last; '#' is replaced by its digit.
-void tell_each(FastrakLine& line, Demands& demands, int last, std::string_view command, Time span) {
-  for (int station = 1; station <= last; ++station) {
-    std::string text(command);
-    std::ranges::replace(text, '#', static_cast<char>('0' + station));
-    tell(line, demands, text, span);
-  }
 }
 
 /// The read-back of l with this number of stations on.
@@ -288,93 +262,6 @@ const std::array<FastrakClient, 16> kClients = {{
     {"ROS 2 node", 1, ros2, "", kFactory, kFactory},
 }};
 
-/// A receiver as one record shows it.
-struct Reading {
-  Vec3 p = Vec3::Zero();  ///< p_TS [m]
-  Mat3 R = Mat3::Zero();  ///< R_TS, as it came: of a faulty unit it may be no rotation
-};
-
-/// Readings of all stations from one command P; empty if the set is not complete.
-std::vector<Reading> read_all(FastrakLine& line, int stations, const FastrakFormat& format,
-                              Demands& demands) {
-  const std::size_t length = fastrak_record_length(format);
-  const auto set = static_cast<std::size_t>(stations) * length;
-  const std::string heard = line.ask("P", 1s + time_of(set, line), set);
-  std::vector<Reading> readings;
-  for (std::size_t at = 0; at + length <= heard.size(); at += length) {
-    const std::string_view bytes = std::string_view(heard).substr(at, length);
-    const auto record = decode_record(
-        Bytes(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()), format);
-    if (!record || record->station != static_cast<int>(readings.size()) + 1) break;
-    const Pose X_TS = pose_of(*record, format);
-    const bool matrix = attitude_of(format.items) == FastrakAttitude::matrix;
-    readings.push_back({X_TS.p, matrix ? record->attitude : X_TS.q.toRotationMatrix()});
-  }
-  const bool whole = readings.size() == static_cast<std::size_t>(stations);
-  demand(line, demands, fmt::format("a set of {} bytes, {} for each station", set, length), whole,
-         heard);
-  return whole ? readings : std::vector<Reading>();
-}
-
-/// The largest distance between the tips of two frames' axes: for small turns their angle [rad].
-double turn(const Mat3& a, const Mat3& b) {
-  return (a - b).colwise().norm().maxCoeff();
-}
-
-/// What differs between a reading and those before and after it; empty if nothing does.
-std::string difference(const Reading& before, const Reading& read, const Reading& after) {
-  constexpr double kRounding = 0.002, kShare = 0.02;  // m, and of the distance: noise
-  constexpr double kTurn = 0.03, kDeviations = 10.0;  // rad, and of the unit's noise there
-  const Vec3 p = 0.5 * (before.p + after.p);
-  if ((read.p - p).norm() > kRounding + kShare * p.norm() + (after.p - before.p).norm()) {
-    return fmt::format("{:.3f}, {:.3f}, {:.3f} m, and {:.3f}, {:.3f}, {:.3f} m", read.p.x(),
-                       read.p.y(), read.p.z(), p.x(), p.y(), p.z());
-  }
-  const Mat3 R = Quat(before.R).slerp(0.5, Quat(after.R)).toRotationMatrix();
-  const double noise = kDeviations * noise_at(p.norm()).rotation;
-  if (turn(read.R, R) <= kTurn + noise + turn(before.R, after.R)) return "";
-  const auto axes = [](const Mat3& axes_TS) {
-    const auto axis = [&](int i) {
-      return fmt::format("({:.3f}, {:.3f}, {:.3f})", axes_TS(0, i), axes_TS(1, i), axes_TS(2, i));
-    };
-    return fmt::format("{} {} {}", axis(0), axis(1), axis(2));
-  };
-  return fmt::format("axes {}, and axes {}", axes(read.R), axes(R));
-}
-
-/// Requires that one reading agrees with the readings before and after it.
-///
-/// @param sent  what the unit was told before this reading
-void same_pose(std::string_view sent, const std::vector<Reading>& before,
-               const std::vector<Reading>& read, const std::vector<Reading>& after,
-               std::string_view form, Demands& demands) {
-  if (before.size() != read.size() || read.size() != after.size()) return;  // already reported
-  std::string wrong;
-  for (std::size_t i = 0; i < read.size() && wrong.empty(); ++i) {
-    const std::string found = difference(before[i], read[i], after[i]);
-    if (!found.empty()) wrong = fmt::format("station {}: {} in that form", i + 1, found);
-  }
-  demands.push_back({shown_bytes(sent),
-                     fmt::format("{} the pose that it is in ASCII, inches and angles", form),
-                     wrong.empty(), wrong});
-}
-
-/// A form of records beside the factory's: the commands into it and back, '#' for each station.
-struct Form {
-  std::string_view name, into, back;
-  FastrakFormat format;
-};
-
-const std::array<Form, 7> kForms = {{
-    {"in centimetres", "u", "U", {{2, 4, 1}, false, true}},
-    {"in binary", "f", "F", {{2, 4, 1}, true, false}},
-    {"as a quaternion", "O#,2,11,1\r", "O#,2,4,1\r", {{2, 11, 1}, false, false}},
-    {"as a binary quaternion", "fO#,2,11,1\r", "FO#,2,4,1\r", {{2, 11, 1}, true, false}},
-    {"as direction cosines", "O#,2,5,6,7,1\r", "O#,2,4,1\r", {{2, 5, 6, 7, 1}, false, false}},
-    {"with extended precision", "O#,52,54,1\r", "O#,2,4,1\r", {{52, 54, 1}, false, false}},
-    {"as an extended quaternion", "O#,52,61,1\r", "O#,2,4,1\r", {{52, 61, 1}, false, false}},
-}};
-
 /// The records that a unit sends in a second: one for each cycle, as far as the line is fast enough.
 /// A unit drops whole records, and waits until the station that it missed is measured again.
 double fastrak_rate(const FastrakClient& client, int stations, const FastrakLine& line) {
@@ -411,44 +298,6 @@ std::vector<FastrakRecord> polled_sets(const FastrakClient& client, FastrakLine&
 }
 
 }  // namespace
-
-std::string shown_bytes(std::string_view bytes) {
-  if (bytes.empty()) return "nothing";
-  std::string text;
-  for (const char c : bytes.substr(0, 60)) {
-    const auto byte = static_cast<unsigned char>(c);
-    text += byte >= ' ' && byte < 0x7F ? std::string(1, c) : fmt::format("\\x{:02x}", byte);
-  }
-  return fmt::format("{} bytes '{}{}'", bytes.size(), text, bytes.size() > 60 ? "..." : "");
-}
-
-int examine_readings(FastrakLine& line, Demands& demands) {
-  const std::string heard = line.ask("S", 1s, kFastrakStatusLength + 1);
-  demand(line, demands, "a status record of 55 bytes", decode_status(heard).has_value(), heard);
-  const std::string on = line.ask("l1\r", 1s, 9);
-  const auto active = decode_active(on);
-  demand(line, demands, "the stations that are on, in 9 bytes", active.has_value(), on);
-  if (!active) return 0;
-  // Clients count receivers from station 1.
-  const auto stations = static_cast<int>(std::ranges::find(*active, false) - active->begin());
-  if (stations == 0) return 0;
-  const auto set = [&](std::string_view command) {
-    const bool each = command.find('#') != std::string_view::npos;
-    tell_each(line, demands, each ? stations : 1, command, 50ms);
-  };
-  set("U");
-  std::vector<Reading> before = read_all(line, stations, {}, demands);
-  for (const Form& form : kForms) {
-    set(form.into);
-    const std::string sent = line.sent();
-    const std::vector<Reading> read = read_all(line, stations, form.format, demands);
-    set(form.back);
-    std::vector<Reading> after = read_all(line, stations, {}, demands);
-    same_pose(sent, before, read, after, form.name, demands);
-    before = std::move(after);
-  }
-  return stations;
-}
 
 std::span<const FastrakClient> fastrak_clients() {
   return kClients;

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "devices/fastrak/clients.h"
+#include "devices/fastrak/readings.h"
 #include "devices/fastrak/serving.h"
 #include "devices/recordings/recorded_motion.h"
 #include "tests/support/samples_of_log.h"
@@ -261,8 +262,8 @@ TEST_P(FastrakClientTest, GetsWhatItNeedsToGoOn) {
 /// A client's end of a line at another rate, which the unit has too.
 class AtRate : public Client {
  public:
-  explicit AtRate(FastrakEmulatorOptions options)
-      : Client(std::move(options), Tty::raw, still_motion), baud_(emulator.baud()) {}
+  explicit AtRate(FastrakEmulatorOptions options, FastrakMotion motion = still_motion)
+      : Client(std::move(options), Tty::raw, std::move(motion)), baud_(emulator.baud()) {}
   int baud() const override { return baud_; }
 
  private:
@@ -292,6 +293,15 @@ TEST(FastrakClientsTest, ReadingsAgreeOnTheSlowestLine) {
   std::vector<FastrakDemand> demands;
   EXPECT_EQ(examine_readings(line, demands), 4);
   for (const FastrakDemand& demand : demands) EXPECT_TRUE(demand.met) << demand.what;
+  EXPECT_TRUE(std::ranges::none_of(demands, &FastrakDemand::receivers_move));
+  // Receivers that make most of a turn between two readings: it was called a fault of the unit.
+  AtRate turning(options, [](int, Time t) {
+    return FastrakTruth{{rotation(Vec3(0.0, 0.0, 2.4 * seconds(t))), Vec3(0.4, 0.0, -0.1)}};
+  });
+  demands.clear();
+  EXPECT_EQ(examine_readings(turning, demands), 4);
+  for (const FastrakDemand& demand : demands) EXPECT_TRUE(demand.met) << demand.found;
+  EXPECT_TRUE(std::ranges::any_of(demands, &FastrakDemand::receivers_move));
 }
 
 /// A unit that leaves out every other record of its stream.
