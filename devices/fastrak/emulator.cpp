@@ -94,7 +94,7 @@ void FastrakEmulator::start_up(Time now) {
   memory_.error = 0;
   switch_was_down_ = switched_off_ = false;
   memory_.guided.reset();
-  expected_.reset();
+  await_first_station();
   sending_.start();
 }
 
@@ -277,10 +277,13 @@ FastrakRecord FastrakEmulator::record_of(std::size_t station) {
 void FastrakEmulator::offer(std::size_t station, Time now) {
   if (!memory_.setup.continuous || switched_off_) return;
   if (!expected_ || !active(*expected_)) expected_ = next_active(kFastrakStations - 1);
-  if (station != *expected_ || !sending_.is_free()) {
-    ++statistics_.dropped;
+  const bool its_turn = station == *expected_;
+  if (!its_turn || !sending_.is_free()) {
+    late_ |= its_turn;
+    if (late_) ++statistics_.dropped;  // otherwise the first turn has not begun
     return;
   }
+  late_ = false;
   expected_ = next_active(station);
   const double increment = memory_.setup.stations[station].increment;
   if (increment > 0.0 && last_output_[station] &&
@@ -401,7 +404,7 @@ void FastrakEmulator::save(Time now) {
 
 void FastrakEmulator::stream() {
   ++statistics_.streams;
-  if (!memory_.setup.continuous) expected_.reset();
+  if (!memory_.setup.continuous) await_first_station();
   memory_.setup.continuous = true;
   switched_off_ = false;
   if (const auto station = expected_ ? expected_ : next_active(kFastrakStations - 1)) {

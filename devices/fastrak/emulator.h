@@ -133,6 +133,10 @@ class FastrakEmulator {
   Pose outcome(std::size_t station) const;
   FastrakRecord record_of(std::size_t station);
   void offer(std::size_t station, Time now);
+  void await_first_station() {
+    expected_.reset();
+    late_ = false;
+  }
   void add_record(std::size_t station, FastrakMessage& message);
   void send_point(Time now);
   void reply(const std::string& line, Time now);
@@ -177,6 +181,7 @@ class FastrakEmulator {
 
   Time stream_zero_{};
   std::optional<std::size_t> expected_;  ///< station whose record continuous output sends next
+  bool late_ = false;                    ///< the line was not free when that record was due
   std::uint64_t outputs_ = 0;            ///< records made, for the seeds of the faults
 
   FastrakHearing hearing_;

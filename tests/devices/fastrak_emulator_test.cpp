@@ -419,5 +419,29 @@ TEST(FastrakFaultTest, ABadSpecificationSaysWhatWasExpected) {
   EXPECT_THAT(complaint([] { parse_faults("unplug=1@5-5"); }), HasSubstr("it ends when it begins"));
 }
 
+// A start in the middle of a turn waits for station 1; those cycles were counted as dropped.
+TEST(FastrakTimingTest, OnlyWhatTheLineDidNotTakeIsCountedAsDropped) {
+  FastrakEmulatorOptions options = Unit::quiet();
+  options.receivers = 4;
+  Unit unit(options);
+  for (int i = 0; i < 20; ++i) {
+    unit.type("C");
+    EXPECT_GT(unit.listen(100ms + i * 3ms).size(), 0u);
+    unit.type("c");
+    unit.listen(50ms);
+  }
+  EXPECT_EQ(unit.emulator.statistics().dropped, 0);
+  unit.type("C");
+  unit.listen(100ms);
+  unit.type("\x13");
+  unit.listen(1s);
+  unit.type("\x11");
+  unit.listen(100ms);
+  const std::int64_t held = unit.emulator.statistics().dropped;
+  EXPECT_NEAR(static_cast<double>(held), 120.0, 4.0);
+  unit.listen(1s);
+  EXPECT_EQ(unit.emulator.statistics().dropped, held);
+}
+
 }  // namespace
 }  // namespace headpin::devices
