@@ -49,7 +49,17 @@ FastrakClock::FastrakClock(int active_stations, Time byte_time, std::size_t reco
       // The last byte of a record leaves while the next record is written.
       line_cycles_(static_cast<double>(record_length - 1) * static_cast<double>(byte_time.count()) /
                    kCycle_us) {
+  constexpr double kRounding = 0.01;  // of the byte's time, in cycles
+  while (static_cast<double>(step_) + kRounding < line_cycles_) step_ += active_;
   clocks_.restart(cycles_);
+}
+
+/// Records that the line carries in so many cycles, up to one whose station is `offset` turns on.
+std::int64_t FastrakClock::records_in(std::int64_t cycles, int offset) const {
+  const double rounds =
+      (static_cast<double>(cycles) / static_cast<double>(step_) - offset) / active_;
+  const std::int64_t least = offset > 0 ? offset : active_;
+  return std::max<std::int64_t>(least, offset + active_ * std::llround(rounds));
 }
 
 std::optional<Time> FastrakClock::measured(int turn, std::span<const Time> arrivals, Time now) {
@@ -57,7 +67,7 @@ std::optional<Time> FastrakClock::measured(int turn, std::span<const Time> arriv
   const Time waited = now - arrivals.front();
   if (!started()) {
     if (waited < kSettling) return std::nullopt;
-    cycle_ = turn;
+    cycle_ = record_ = turn;
   } else {
     // Cycles since the last record: the largest number that fits, with this station's turn.
     const int offset = (turn - turn_ + active_) % active_;
@@ -69,6 +79,7 @@ std::optional<Time> FastrakClock::measured(int turn, std::span<const Time> arriv
     const bool only_late_perhaps = !came_by_itself(arrivals) && waited < kPatience;
     if (cycles > least && only_late_perhaps) return std::nullopt;
     cycle_ += cycles;
+    record_ += records_in(cycles, offset);
   }
   turn_ = turn;
   return clocks_.date({.clock = cycles_,

@@ -34,19 +34,23 @@ class FastrakClock {
   /// @return          nothing when it is too early to decide; call again for the same record
   std::optional<Time> measured(int turn, std::span<const Time> arrivals, Time now);
 
-  /// Number of the last record's cycle, the first one's being its turn; a hole is a record that did
-  /// not come.
-  std::int64_t cycle() const { return cycle_; }
+  /// Number of the last record among those that the line can carry, the first one's being its turn;
+  /// a hole is a record that did not come.
+  std::int64_t record() const { return record_; }
   bool started() const { return clocks_.started(cycles_); }
 
  private:
+  std::int64_t records_in(std::int64_t cycles, int offset) const;
+
   int active_;
   Clocks& clocks_;
   ClockId cycles_;
   double lag_us_;
   double line_cycles_;  ///< that the line takes for a record
   int turn_ = 0;
-  std::int64_t cycle_ = 0;
+  std::int64_t cycle_ = 0;   ///< of the last record
+  std::int64_t record_ = 0;  ///< its number
+  std::int64_t step_ = 1;    ///< cycles from a record to the next station's, if none is lost
 };
 
 }  // namespace headpin::devices

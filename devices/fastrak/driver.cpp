@@ -183,7 +183,7 @@ void FastrakDriver::ask_next(Time now) {
 void FastrakDriver::start_stream(Time now) {
   say(stream_commands(options_));
   const auto stations = static_cast<int>(std::count(active_.begin(), active_.end(), true));
-  if (clock_) sequence_before_ += clock_->cycle() / std::max(1, stations) + 1;
+  if (clock_) sequence_before_ += clock_->record() / std::max(1, stations) + 1;
   clock_.emplace(stations, byte_time(), fastrak_record_length(formats_[0]), clocks_, cycles_);
   in_step_ = true;
   last_record_ = now;
@@ -342,19 +342,19 @@ void FastrakDriver::hand_out(Time now, std::vector<Sample>& out) {
   for (std::size_t i = 0; i < arrivals.size(); ++i) {
     const FastrakRecord& record = records_.front().record;
     const auto turn = std::count(active_.begin(), active_.begin() + record.station - 1, true);
-    const std::int64_t before = clock_->started() ? clock_->cycle() + 1 : turn;
+    const std::int64_t before = clock_->started() ? clock_->record() + 1 : turn;
     const std::optional<Time> measured =
         clock_->measured(static_cast<int>(turn), std::span(arrivals).subspan(i), now);
     if (!measured) return;
     TrackerSample sample;
     sample.device_time = *measured;
     sample.host_time = arrivals[i];
-    sample.sequence = sequence_before_ + clock_->cycle() / stations;
+    sample.sequence = sequence_before_ + clock_->record() / stations;
     sample.station = record.station;
     sample.X_TS = pose_of(record, formats_[0]);
     sample.status = record.error;
     sample.buttons = record.pressed ? 1 : 0;
-    statistics_.missed += clock_->cycle() - before;
+    statistics_.missed += clock_->record() - before;
     ++statistics_.records;
     if (!sample.good()) ++statistics_.flagged;
     out.push_back(std::move(sample));

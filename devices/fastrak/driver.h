@@ -21,7 +21,7 @@ struct FastrakStatistics {
   std::int64_t records = 0;        ///< samples handed out
   std::int64_t flagged = 0;        ///< number of these with an error letter
   std::int64_t skipped_bytes = 0;  ///< bytes between records
-  std::int64_t missed = 0;         ///< cycles without a record, by the clock of the unit
+  std::int64_t missed = 0;         ///< records that did not come, of those that the line can carry
   std::int64_t drained_bytes = 0;  ///< discarded while the unit was started
   std::int64_t restarts = 0;       ///< by the watchdog
   std::int64_t attempts = 0;       ///< total number of attempts to get a status
@@ -37,7 +37,8 @@ struct FastrakStatistics {
 ///
 /// Sample times: `host_time` is the arrival of the first byte, from the stream; `device_time` is
 /// the estimate of FastrakClock. Samples of the first quarter of a second are delayed until this
-/// estimate is stable. `sequence` counts the station's cycles; a gap is a missing record.
+/// estimate is stable. `sequence` counts the station's records, as many as the line can carry; a gap
+/// is a missing one.
 class FastrakDriver : public Source {
  public:
   /// @param clocks  of the session, which date the records; must outlive this

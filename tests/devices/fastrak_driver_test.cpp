@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <memory>
 #include <random>
@@ -195,6 +196,21 @@ TEST(FastrakDriverTest, DISABLED_TenMinutesInRealTimeOverAPseudoTerminal) {
   EXPECT_GT(s.records, 70'000);
 }
 
+/// Holes in the numbers of the stations' samples.
+std::int64_t holes_of(const std::vector<Sample>& samples) {
+  std::array<std::int64_t, kFastrakStations> last{};
+  last.fill(-1);
+  std::int64_t holes = 0;
+  for (const Sample& sample : samples) {
+    const TrackerSample& s = tracker(sample);
+    std::int64_t& previous = last[static_cast<std::size_t>(s.station - 1)];
+    EXPECT_GT(s.sequence, previous);
+    if (previous >= 0) holes += s.sequence - previous - 1;
+    previous = s.sequence;
+  }
+  return holes;
+}
+
 TEST(FastrakDriverTest, AHoleInTheSequenceIsARecordThatWasLost) {
   Bench bench(unit("dropout=0.1", 2), {});
   ASSERT_TRUE(bench.run_until_streaming());
@@ -202,17 +218,8 @@ TEST(FastrakDriverTest, AHoleInTheSequenceIsARecordThatWasLost) {
   EXPECT_GT(bench.emulator.statistics().lost, 200);
   EXPECT_NEAR(static_cast<double>(bench.driver.statistics().missed),
               static_cast<double>(bench.emulator.statistics().lost), 3.0);  // at both ends
-  std::array<std::int64_t, 2> last = {-1, -1};
-  std::int64_t holes = 0;
-  for (const Sample& sample : bench.samples) {
-    const TrackerSample& s = tracker(sample);
-    std::int64_t& previous = last[static_cast<std::size_t>(s.station - 1)];
-    EXPECT_GT(s.sequence, previous);
-    if (previous >= 0) holes += s.sequence - previous - 1;
-    previous = s.sequence;
-  }
-  EXPECT_NEAR(static_cast<double>(holes), static_cast<double>(bench.emulator.statistics().lost),
-              4.0);
+  EXPECT_NEAR(static_cast<double>(holes_of(bench.samples)),
+              static_cast<double>(bench.emulator.statistics().lost), 4.0);
 }
 
 TEST(FastrakDriverTest, NobodyAtTheOtherEndIsNoFailure) {
@@ -325,6 +332,42 @@ TEST(FastrakDriverTest, HemispheresAreReadForOneStationOrAll) {
     EXPECT_THROW(read_zenith(wrong, zeniths), std::invalid_argument) << wrong;
   }
   EXPECT_EQ(zeniths[0], Vec3::UnitZ());
+}
+
+// --- Slow lines ------------------------------------------------------------------------------
+
+// Each cycle that a slow line leaves out was counted as a missed record, and as a lost sample.
+TEST(FastrakDriverTest, WhatASlowLineCannotCarryIsNotMissed) {
+  for (const int baud : {9600, 19200, 38400}) {
+    for (const int receivers : {1, 2, 4}) {
+      SCOPED_TRACE(std::to_string(baud) + " baud, " + std::to_string(receivers) + " receivers");
+      FastrakEmulatorOptions emulated = unit("noise=0", receivers);
+      emulated.baud = baud;
+      FastrakOptions options;
+      options.baud = baud;
+      Bench bench(emulated, options);
+      ASSERT_TRUE(bench.run_until_streaming());
+      bench.run(20s);
+      EXPECT_GT(bench.samples.size(), 300u);
+      EXPECT_EQ(bench.driver.statistics().missed, 0);
+      EXPECT_EQ(holes_of(bench.samples), 0);
+    }
+  }
+}
+
+TEST(FastrakClockTest, NumbersTheRecordsThatASlowLineCarries) {
+  const Time byte{1'042};  // at 9600 baud: 35 bytes take more than four cycles, and so five
+  for (const int stations : {1, 2, 4}) {
+    Clocks clocks;
+    FastrakClock clock(stations, byte, 35, clocks, clocks.add());
+    for (std::int64_t number = 0; number < 200; ++number) {
+      if (number % 7 == 3 || (number >= 50 && number < 60)) continue;  // lost on the line
+      const std::array<Time, 1> arrived = {tick_time(5 * number, kFastrakCycleRate) + 10ms};
+      const auto turn = static_cast<int>(number % stations);
+      ASSERT_TRUE(clock.measured(turn, arrived, arrived[0] + 1s));
+      ASSERT_EQ(clock.record(), number) << stations << " stations";
+    }
+  }
 }
 
 }  // namespace
