@@ -102,6 +102,7 @@ void FastrakEmulator::power_cycle(Time now) {
   advance(now);
   sending_.drop_all();
   hearing_ = {};
+  status_requests_ = 0;
   start_up(now_);
 }
 

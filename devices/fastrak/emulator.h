@@ -109,6 +109,7 @@ class FastrakEmulator {
   void set_faults(const FastrakFaults& faults) {
     check_stations(faults, options_.receivers);
     options_.faults = faults;
+    status_requests_ = 0;
   }
 
   Time now() const { return now_; }  ///< time of the last call
@@ -175,7 +176,7 @@ class FastrakEmulator {
   std::array<FastrakSolution, kFastrakStations> solutions_;
   std::array<AdaptiveWeight, kFastrakStations> position_weights_, attitude_weights_;
   std::array<std::optional<Vec3>, kFastrakStations> last_output_;  ///< position reported [m]
-  int status_requests_ = 0;                                        ///< heard so far
+  int status_requests_ = 0;       ///< since power-on or set_faults()
   bool switch_was_down_ = false;  ///< at the last reading of the stylus switch
   bool switched_off_ = false;     ///< continuous output, by the stylus switch
 

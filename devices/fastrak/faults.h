@@ -25,13 +25,13 @@ struct StationFault {
 
 /// Faults of an emulated Fastrak, repeatable by a seed.
 struct FastrakFaults {
-  double noise = 1.0;                   ///< factor of the unit's own noise; 0: exact poses
-  double dropout = 0.0;                 ///< probability that a whole record is lost
-  double garbage = 0.0;                 ///< probability of 1 to 8 random bytes before a record
-  double damage = 0.0;                  ///< probability that one bit of a record is flipped
-  double metal = 0.0;                   ///< distortion by metal nearby, at 1 m [m]
-  int slow_baud = 0;                    ///< the line is no faster than this; 0: as set
-  int deaf = 0;                         ///< status requests that get no answer
+  double noise = 1.0;    ///< factor of the unit's own noise; 0: exact poses
+  double dropout = 0.0;  ///< probability that a whole record is lost
+  double garbage = 0.0;  ///< probability of 1 to 8 random bytes before a record
+  double damage = 0.0;   ///< probability that one bit of a record is flipped
+  double metal = 0.0;    ///< distortion by metal nearby, at 1 m [m]
+  int slow_baud = 0;     ///< the line is no faster than this; 0: as set
+  int deaf = 0;          ///< status requests that get no answer, from power-on or set_faults() on
   std::vector<StationFault> stuck;      ///< a receiver whose pose stands still
   std::vector<StationFault> unplugged;  ///< a receiver pulled out
   std::vector<FaultWindow> silence;     ///< the unit neither receives nor sends

@@ -443,5 +443,19 @@ TEST(FastrakTimingTest, OnlyWhatTheLineDidNotTakeIsCountedAsDropped) {
   EXPECT_EQ(unit.emulator.statistics().dropped, held);
 }
 
+// What it had heard before counted, so that a unit in use could not be made deaf.
+TEST(FastrakFaultTest, DeafFromThenOnWhereItIsSetLaterAndAfterEachPowerCycle) {
+  Unit unit;
+  EXPECT_EQ(unit.ask("S").size(), 55u);
+  EXPECT_EQ(unit.ask("S").size(), 55u);
+  unit.emulator.set_faults(parse_faults("deaf=1"));
+  EXPECT_EQ(unit.ask("S"), "");
+  EXPECT_EQ(unit.ask("S").size(), 55u);
+  unit.emulator.power_cycle(unit.now);
+  unit.listen(11s);
+  EXPECT_EQ(unit.ask("S"), "");
+  EXPECT_EQ(unit.ask("S").size(), 55u);
+}
+
 }  // namespace
 }  // namespace headpin::devices
