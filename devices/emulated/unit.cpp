@@ -48,8 +48,9 @@ bool EmulatedUnit::obey(const std::string& line, Time now) {
     move_thumb(line);
   } else if (line == "rewind") {
     feed_.begin = begin_of(feed_.first, emulator_, now);
-  } else if (line.starts_with("faults")) {
-    emulator_.set_faults(parse_faults(line.size() > 7 ? line.substr(7) : ""));
+  } else if (line == "faults" || line.starts_with("faults ")) {
+    const std::size_t spec = line.find_first_not_of(' ', 6);
+    emulator_.set_faults(parse_faults(spec == std::string::npos ? "" : line.substr(spec)));
   } else if (!line.empty() && line != "quit") {
     throw std::invalid_argument(
         "control line '" + line +

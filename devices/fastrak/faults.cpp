@@ -134,8 +134,8 @@ std::string faults_help() {
          "damage=P       probability that one bit of a record is flipped\n"
          "metal=M        distortion by metal nearby: poses are wrong by M metres at 1 m\n"
          "slow=BAUD      the line is not faster than this baud rate\n"
-         "deaf=N         the unit does not answer the first N status requests after it is switched on\n"
-         "               or gets this fault\n"
+         "deaf=N         the unit does not answer the first N status requests, nor those after\n"
+         "               a power cycle\n"
          "stuck=S@A-B    station S repeats one pose from second A to B (or for good)\n"
          "unplug=S@A-B   receiver S is unplugged from second A to B (or for good)\n"
          "silence=T@A    the unit neither receives nor sends for T seconds from second A\n";

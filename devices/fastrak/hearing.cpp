@@ -23,6 +23,7 @@ FastrakHeard FastrakHearing::hear(std::uint8_t byte) {
   const char c = static_cast<char>(byte);
   if (is_control(c)) return control(c);
   if (c == '\r' || c == '\n') return end_of_line(c);
+  if (c == ' ' && line_.empty()) return {};
   swallow_ = Swallow::nothing;
   if (!line_.empty()) {
     if (line_.size() <= kFastrakLongestLine) line_ += c;  // one more than allowed: it is too long
@@ -36,7 +37,6 @@ FastrakHeard FastrakHearing::hear(std::uint8_t byte) {
     line_ = c;
     return {};
   }
-  if (c == ' ') return {};
   swallow_ = Swallow::any_end;
   return {Kind::unknown, {c}};
 }

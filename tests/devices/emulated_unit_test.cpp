@@ -339,5 +339,17 @@ TEST(LcmFeedTest, TellsWhatItCannotUse) {
   EXPECT_TRUE(feed.poll(2 * kTick).empty());
 }
 
+TEST(EmulatedUnitTest, TheControlLineOfFaultsIsAWordOfItsOwn) {
+  EmulatedUnit unit(exact_unit(), ahead_by_a_metre());
+  for (const char* line :
+       {"faults", "faults ", "faults   ", "faults   noise=2 ", "faults noise=2"}) {
+    EXPECT_TRUE(unit.obey(line, Time{})) << line;
+  }
+  for (const char* line : {"faultsnoise=3", "faultless"}) {
+    EXPECT_THAT(complaint([&] { unit.obey(line, Time{}); }),
+                HasSubstr("control line '" + std::string(line) + "': expected power-cycle"));
+  }
+}
+
 }  // namespace
 }  // namespace headpin::devices

@@ -457,5 +457,16 @@ TEST(FastrakFaultTest, DeafFromThenOnWhereItIsSetLaterAndAfterEachPowerCycle) {
   EXPECT_EQ(unit.ask("S").size(), 55u);
 }
 
+// The line end of "C \r" was a command of its own, and refused.
+TEST(FastrakGrammarTest, BlanksBeforeTheLineEndOfAnImmediateCommandSayNothing) {
+  for (const std::string command : {"u \r", "u  \r\n", "f \n", "u\r \n", " u \r"}) {
+    Unit unit;
+    EXPECT_EQ(unit.ask(command), "") << command;
+    EXPECT_EQ(unit.emulator.statistics().refused, 0) << command;
+  }
+  Unit unit;
+  EXPECT_THAT(unit.ask("O1,2,4,1\r \r"), HasSubstr("*ERROR*"));  // a bare CR, as before
+}
+
 }  // namespace
 }  // namespace headpin::devices
