@@ -170,3 +170,53 @@ test('an engine that fails at the end of a game is told, and the log up to there
   assert.ok(verified('unfinished.lcmlog').verified_ticks > 60);
   await context.close();
 });
+
+test('a game that another page plays is not deleted, and what goes wrong with a list ends no game', async () => {
+  const { page, context } = await open();
+  await startGame(page);
+  await until(page, () => window.headpin.store.stored > 100_000);
+  await page.click('#end');
+  await page.waitForSelector('#files button');
+  const name = await page.evaluate(() => window.headpin.store.name);
+  const other = (await openGame(context, `${server.url}/room.html`)).page;
+  for (const one of [page, other]) one.on('dialog', (dialog) => dialog.accept());
+  await startGame(page);
+  // The other page listed the first game alone; it deletes it, and tries the one that goes on.
+  await other.click('#files button:has-text("Delete")');
+  await until(other, () => document.querySelector('#files button') === null);
+  await other.evaluate((played) => window.headpin.remove(played), await page.evaluate(() => window.headpin.store.name));
+  assert.match(await other.textContent('#files-trouble'), /was not deleted: it is being played\./);
+  await page.bringToFront();
+  await page.click('#files button:has-text("Delete")');
+  await until(page, () => document.getElementById('files-trouble').textContent !== '');
+  assert.equal(await page.textContent('#files-trouble'), `${name} was not deleted: it was not there any more.`);
+  assert.equal(await page.isVisible('#trouble'), false);
+  const stored = await page.evaluate(() => window.headpin.store.stored);
+  await until(page, (before) => window.headpin.store.stored > before + 100_000, stored);
+  await endAndSave(page, 'goes-on.lcmlog');
+  assert.ok(verified('goes-on.lcmlog').complete);
+  await context.close();
+});
+
+test('a game whose name another one has gets another name', async () => {
+  const { page, context } = await open();
+  await page.evaluate(async () => {
+    const { toISOString } = Date.prototype;
+    const root = await navigator.storage.getDirectory();
+    const folder = await root.getDirectoryHandle('headpin', { create: true });
+    const older = await (await folder.getFileHandle('2026-01-31T12-34-56-789.lcmlog', { create: true })).createWritable();
+    await older.write('older');
+    await older.close();
+    Date.prototype.toISOString = function once() {
+      Date.prototype.toISOString = toISOString;
+      return '2026-01-31T12:34:56.789Z';
+    };
+  });
+  await startGame(page);
+  assert.notEqual(await page.evaluate(() => window.headpin.store.name), '2026-01-31T12-34-56-789.lcmlog');
+  await endAndSave(page, 'newer.lcmlog');
+  assert.ok(verified('newer.lcmlog').complete);
+  const older = page.locator('#files li', { hasText: '2026-01-31T12-34-56-789.lcmlog, 0.0 MB' });
+  assert.equal(await older.count(), 1);
+  await context.close();
+});

@@ -354,15 +354,22 @@ class Page {
       if (playing) row.append('(is being played)');
       else row.append(
         make('button', { type: 'button', onclick: () => save(name, file) }, 'Save ', make('span', { class: 'hidden' }, name)),
-        make('button', { type: 'button', onclick: () => this.guard(this.remove(name)) }, 'Delete ', make('span', { class: 'hidden' }, name)));
+        make('button', { type: 'button', onclick: () => this.remove(name) }, 'Delete ', make('span', { class: 'hidden' }, name)));
       return row;
     });
     find('files-body').replaceChildren(rows.length ? make('ul', {}, ...rows) : make('p', {}, 'None.'));
   }
 
+  /** What goes wrong here is no trouble of a game. */
   async remove(name) {
     if (!confirm(`Delete ${name}? It cannot be brought back.`)) return;
-    await removeLog(name);
+    let said = '';
+    try {
+      await removeLog(name);
+    } catch (error) {
+      said = `${name} was not deleted: ${error.message}.`;
+    }
+    find('files-trouble').textContent = said;
     await this.listFiles();
   }
 

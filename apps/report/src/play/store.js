@@ -24,8 +24,16 @@ export async function keptLogs() {
   }
 }
 
+/** @throws  in words, while another page plays the game, or when the file is gone */
 export async function removeLog(name) {
-  await (await folderOf(false)).removeEntry(name);
+  await navigator.locks.request(lockOf(name), { ifAvailable: true }, async (lock) => {
+    if (!lock) throw new Error('it is being played');
+    try {
+      await (await folderOf(false)).removeEntry(name);
+    } catch (error) {
+      throw error.name === 'NotFoundError' ? new Error('it was not there any more') : error;
+    }
+  });
 }
 
 /** Offers a file to the person. */
@@ -55,6 +63,7 @@ function whyNotStored(error) {
 export class Store {
   /** @param onTrouble  told once, in a sentence, why the log is kept in memory alone */
   constructor(participant, onTrouble) {
+    this.participant = participant;
     this.name = newName(participant);
     this.onTrouble = onTrouble;
     this.pieces = [];  // all of them: what could not be stored is saved from here
@@ -70,11 +79,34 @@ export class Store {
       this.worker = new Worker(URL.createObjectURL(new Blob([code], { type: 'text/javascript' })));
       this.worker.onmessage = ({ data }) => this.open.get(data.id)?.(data);
       this.worker.onerror = ({ message }) => this.fail(new Error(message));
-      navigator.locks.request(lockOf(this.name), () => new Promise((resolve) => { this.unlock = resolve; }));
-      await this.ask({ kind: 'open', name: this.name });
+      while (!(await this.takeName())) this.name = newName(this.participant);  // another time, another name
     } catch (error) {
       this.fail(error);
     }
+  }
+
+  /** Opens the file; false when another game has this name. */
+  async takeName() {
+    if (!(await this.lock())) return false;
+    const { taken } = await this.ask({ kind: 'open', name: this.name });
+    if (taken) await this.release();
+    return !taken;
+  }
+
+  /** Says to other pages that the game is played; false when one of them has said so of its own. */
+  lock() {
+    return new Promise((resolve, reject) => {
+      this.locked = navigator.locks.request(lockOf(this.name), { ifAvailable: true }, (lock) => {
+        resolve(lock !== null);
+        return lock && new Promise((unlock) => { this.unlock = unlock; });
+      });
+      this.locked.catch(reject);
+    });
+  }
+
+  async release() {
+    this.unlock?.();
+    await this.locked;
   }
 
   ask(question) {
@@ -115,7 +147,7 @@ export class Store {
   /** The whole log, once the disk has all of it or has failed. */
   async finish() {
     if (!this.failed) await this.ask({ kind: 'close' }).catch((error) => this.fail(error));
-    this.unlock?.();
+    await this.release().catch(() => {});  // where nothing can be stored there may be no locks
     return new Blob(this.pieces, { type: 'application/octet-stream' });
   }
 }

@@ -4,12 +4,15 @@ const kFull = 'QuotaExceededError';  // some browsers throw it, others store les
 let handle = null;
 let at = 0;
 
+/** @return  whether the file has another game: nothing is added to it */
 async function open(name) {
   const root = await navigator.storage.getDirectory();
   const folder = await root.getDirectoryHandle('headpin', { create: true });
   const file = await folder.getFileHandle(name, { create: true });
   handle = await file.createSyncAccessHandle();
-  at = handle.getSize();
+  const taken = handle.getSize() > 0;
+  if (taken) handle.close();
+  return taken;
 }
 
 function write(piece) {
@@ -24,10 +27,10 @@ function write(piece) {
 
 self.onmessage = async ({ data: { id, kind, name, piece } }) => {
   try {
-    if (kind === 'open') await open(name);
+    const taken = kind === 'open' && await open(name);
     if (kind === 'write') write(piece);
     if (kind === 'close') handle.close();
-    self.postMessage({ id, size: at });
+    self.postMessage({ id, size: at, taken });
   } catch (error) {
     self.postMessage({ id, error: `${error.name}: ${error.message}`, full: error.name === kFull });
   }
