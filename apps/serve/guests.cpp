@@ -71,6 +71,11 @@ Guest& Guests::still_open(std::string_view token) {
   return guest;
 }
 
+Guest& Guests::to_show(std::string_view token) {
+  Guest& guest = find(token);
+  return guest.is_to_be_asked() ? guest : still_open(token);
+}
+
 std::int64_t Guests::begin(std::string_view token, const std::string& key) {
   if (!is_token(key)) throw Refused(400, "key: expected 32 hexadecimal digits");
   Guest& guest = find(token);
@@ -137,11 +142,12 @@ void Guests::end(std::string_view token, const std::string& key, std::int64_t si
 void Guests::answer(std::string_view token, const std::string& key, const nlohmann::json& answers) {
   Guest& guest = playing(token, key);
   if (!guest.place.answer) throw Refused(404, "nothing is asked here");
+  if (guest.answered) return;  // the answer to the first request was lost
   try {
     guest.place.answer(answers);
   } catch (const std::exception& error) {
     tell_(fmt::format("{}: {}", name_of(guest), printable(error.what())));
-    throw Refused(400, error.what());
+    throw Refused(400, "they cannot be stored here now; tell the people who invited you");
   }
   guest.answered = true;
   tell_(fmt::format("{} has answered the questions", name_of(guest)));

@@ -46,6 +46,9 @@ struct Place {
 struct Guest {
   enum class State { invited, playing, ended };
 
+  /// Whether only the questions are left.
+  bool is_to_be_asked() const { return state == State::ended && place.answer && !answered; }
+
   std::string token;
   Place place;
   State state = State::invited;
@@ -72,6 +75,10 @@ class Guests {
   Guest& find(std::string_view token);
   /// @throws Refused  403 for a link that was used
   Guest& still_open(std::string_view token);
+
+  /// For its page: also a link whose game has ended, while its questions are not answered.
+  /// @throws Refused  403 for another link that was used
+  Guest& to_show(std::string_view token);
 
   /// The link is used from now on. The same key may begin again, also after the end, as its page may
   /// not have got the answer to the one or the other.

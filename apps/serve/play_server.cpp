@@ -100,7 +100,7 @@ WebAnswer PlayServer::of_operator(const WebRequest& request) {
 WebAnswer PlayServer::of_guest(const WebRequest& request) {
   const GuestPath path = *guest_path(request.path);
   if (request.method == "GET" && path.doing.empty()) {
-    return {.type = kHtml, .body = guest_page(guests_.still_open(path.token))};
+    return {.type = kHtml, .body = guest_page(guests_.to_show(path.token))};
   }
   if (request.method != "POST") forbid();
   const std::string key = request.query("key");
@@ -126,6 +126,7 @@ std::string PlayServer::guest_page(const Guest& guest) const {
   data.json["guest"] = {{"participant", guest.place.participant},
                         {"condition", guest.place.condition},
                         {"hint", guest.place.hint},
+                        {"ended", guest.is_to_be_asked()},
                         {"questions", pages_.questions}};
   return page_of(pages_.play, std::move(data));
 }

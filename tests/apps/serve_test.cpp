@@ -291,7 +291,10 @@ TEST_F(Serve, AStudysPlanIsFollowed) {
   // Another command does not play the same session meanwhile.
   expect_refusal("experiment run study --participant p002 --virtual", 75, "p002");
   EXPECT_EQ(post(links_[1], "answers", "no").status, 400);
-  EXPECT_EQ(post(links_[1], "answers", R"({"presence1":"9"})").status, 400);
+  const Reply wrong = post(links_[1], "answers", R"({"presence1":"9"})");
+  EXPECT_EQ(wrong.status, 400);
+  EXPECT_THAT(wrong.body, HasSubstr("tell the people who invited you"));
+  EXPECT_THAT(wrong.body, testing::Not(HasSubstr("presence1")));  // that is for the operator
   EXPECT_FALSE(fs::exists(folder_ / "study/answers/p002.csv"));
   nlohmann::json answers;
   for (int i = 1; i <= 6; ++i) answers[fmt::format("presence{}", i)] = "6";
@@ -302,8 +305,11 @@ TEST_F(Serve, AStudysPlanIsFollowed) {
   EXPECT_EQ(stored.status, 200) << stored.body;
   EXPECT_THAT(slurp(folder_ / "study/answers/p002.csv"), HasSubstr("p002,presence1,6,asked"));
   answers["presence1"] = "2";
-  EXPECT_EQ(post(links_[1], "answers", answers.dump()).status, 400);  // answered once
+  // A page whose first answer was lost asks again: the answers stay.
+  EXPECT_EQ(post(links_[1], "answers", answers.dump()).status, 200);
   EXPECT_EQ(stop(), 0);
+  EXPECT_THAT(slurp(folder_ / "said.txt"), HasSubstr("presence1: expected"));
+  EXPECT_THAT(slurp(folder_ / "study/answers/p002.csv"), HasSubstr("p002,presence1,6,asked"));
   EXPECT_EQ(slurp(folder_ / "study/sessions/p002/run-01.lcmlog"), slurp(kDemoLog));
 }
 
@@ -364,6 +370,28 @@ TEST_F(Serve, AnswersOfAGuestAreKeptWhereSomeHadBeenDrawn) {
   EXPECT_THAT(given, HasSubstr("p001,occupation,n/a,asked\n"));
   EXPECT_THAT(given, testing::Not(HasSubstr("drawn")));
   EXPECT_EQ(slurp(folder_ / "study/answers/p001.drawn"), drawn);
+}
+
+// The page may be loaded again: its questions are all that the link still shows, until they are answered.
+TEST_F(Serve, TheLinkOfAnEndedGameShowsTheQuestionsUntilTheyAreAnswered) {
+  ASSERT_EQ(headpin("experiment plan -o study --people 1").code, 0);
+  start("study --links 1");
+  const std::string log = slurp(kDemoLog);
+  EXPECT_EQ(post(links_[0], "begin").status, 200);
+  EXPECT_EQ(post(links_[0], "log?at=0", log).status, 200);
+  EXPECT_EQ(ask("GET", links_[0]).status, 403);  // a game goes on
+  EXPECT_EQ(post(links_[0], fmt::format("end?at={}", log.size())).status, 200);
+  EXPECT_EQ(ask("GET", links_[0]).status, 200);
+  EXPECT_EQ(post(links_[0], "begin", "", kOtherKey).status, 403);  // it is for no other game
+  nlohmann::json answers;
+  for (int i = 1; i <= 6; ++i) answers[fmt::format("presence{}", i)] = "6";
+  for (const char* item : {"sick", "noticed", "vrbefore", "sex", "occupation"}) {
+    answers[item] = "n/a";
+  }
+  EXPECT_EQ(post(links_[0], "answers", answers.dump(), kOtherKey).status, 403);
+  EXPECT_EQ(post(links_[0], "answers", answers.dump()).status, 200);
+  EXPECT_EQ(ask("GET", links_[0]).status, 403);
+  EXPECT_EQ(stop(), 0);
 }
 
 }  // namespace

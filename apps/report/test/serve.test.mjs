@@ -137,6 +137,36 @@ test('a participant of a study plays, and answers', async () => {
   await server.stop();
 });
 
+test('a page that is loaded again asks its questions again, with the answers so far; no other page does', async () => {
+  headpin('experiment', 'plan', '-o', 'reloaded');
+  const server = await serving('reloaded');
+  const context = await contextOf();
+  const { page } = await openGame(context, server.links[0]);
+  const dialogs = [];
+  page.on('dialog', (dialog) => { dialogs.push(dialog.type()); dialog.accept(); });
+  await startGame(page);
+  await page.click('#end');
+  await page.waitForSelector('#questions-form');
+  const questions = await page.locator('#questions-form fieldset').all();
+  await questions[0].locator('input').nth(2).check();
+  await page.reload();
+  await page.waitForSelector('#questions-form');
+  assert.deepEqual(dialogs, ['beforeunload']);
+  assert.equal(await page.locator('#questions-form input:checked').count(), 1);
+  assert.equal(await page.isDisabled('#start'), true);
+  const { page: other } = await openGame(context, server.links[0]);
+  assert.match(await other.textContent('#hint'), /^This link was used already/);
+  assert.equal(await other.isVisible('#questions'), false);
+  for (const item of questions.slice(1)) await item.locator('input').nth(1).check();
+  await page.click('#send-answers');
+  await page.waitForSelector('text=The answers are stored');
+  assert.match(readFileSync(join(folder, 'reloaded/answers/p001.csv'), 'utf8'), /p001,presence1,3,asked/);
+  assert.equal((await page.reload()).status(), 403);
+  assert.equal(dialogs.length, 1);
+  await context.close();
+  await server.stop();
+});
+
 /** The first request for something arrives, and its answer is lost. */
 async function loseAnswer(page, doing) {
   let lost = false;

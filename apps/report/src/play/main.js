@@ -3,7 +3,7 @@ import { block, hasBlock, jsonBlock, numbersOf } from '../data.js';
 import { find, make } from '../elements.js';
 import { Game } from './game.js';
 import { HandByPointer } from './hand.js';
-import { ask } from './questions.js';
+import { answersSoFar, ask } from './questions.js';
 import { inView, poseOf, Room } from './scene.js';
 import { newKey, Sender } from './sender.js';
 import { Sound } from './sound.js';
@@ -56,7 +56,7 @@ class Page {
     find('end').addEventListener('click', () => this.guard(this.end()));
     this.offerSound();
     addEventListener('beforeunload', (event) => {
-      if (this.game || this.isUnsaved() || this.isSending()) event.preventDefault();
+      if (this.game || this.asking || this.isUnsaved() || this.isSending()) event.preventDefault();
     });
     this.showGuest();
     this.showRoom();
@@ -64,6 +64,7 @@ class Page {
     await this.listFiles();
     await this.lookForHeadset();
     document.documentElement.dataset.ready = 'yes';
+    if (this.json.guest?.ended) await this.goOnAsking();
   }
 
   /** The button and the key that turn the sound off and on. */
@@ -273,10 +274,33 @@ class Page {
   /** A link is for one game; what a study asks comes after it. */
   async endVisit() {
     if (!this.sender) return;
-    for (const id of ['start', 'vr']) find(id).disabled = true;
-    await this.sender.finish();
+    this.offerNoGame();
     const { questions } = this.json.guest;
-    if (questions && !this.sender.failed) await ask(questions, (answers) => this.sender.answer(answers));
+    if (questions) answersSoFar.keep({ key: this.key });
+    await this.sender.finish();
+    if (questions && !this.sender.failed) await this.askQuestions();
+  }
+
+  offerNoGame() {
+    for (const id of ['start', 'vr']) find(id).disabled = true;
+  }
+
+  async askQuestions() {
+    this.asking = true;
+    await ask(this.json.guest.questions, (answers) => this.sender.answer(answers));
+    this.asking = false;
+  }
+
+  /** The page was loaded again after the game: its questions, for the tab that played. */
+  async goOnAsking() {
+    const { key } = answersSoFar.read();
+    this.offerNoGame();
+    find('hint').textContent = key ? 'The game is over. Please answer the questions.'
+      : 'This link was used already; ask for another one.';
+    if (!key) return;
+    this.sender = new Sender(key, () => {});
+    this.sender.over = true;
+    await this.askQuestions();
   }
 
   /** Another game has begun: its news take the place of the last one, which waits in a list until it is saved. */

@@ -2,6 +2,32 @@
 import { find, make } from '../elements.js';
 
 const kNone = 'n/a';
+const kSoFar = `headpin ${location.pathname}`;
+
+/** {key, answers} of a guest until they are stored: for the same tab, when its page is loaded again. */
+export const answersSoFar = {
+  read() {
+    try {
+      return JSON.parse(sessionStorage.getItem(kSoFar)) ?? {};
+    } catch {
+      return {};  // this browser keeps nothing
+    }
+  },
+  keep(more) {
+    try {
+      sessionStorage.setItem(kSoFar, JSON.stringify({ ...this.read(), ...more }));
+    } catch {
+      // This browser keeps nothing: the page asks before it is closed.
+    }
+  },
+  forget() {
+    try {
+      sessionStorage.removeItem(kSoFar);
+    } catch {
+      // This browser keeps nothing.
+    }
+  },
+};
 
 function choicesOf(item, language) {
   if (item.choices.length > 0) return item.choices.map(({ id, text }) => [id, text[language]]);
@@ -30,6 +56,11 @@ export function ask({ items, languages }, store) {
   const form = make('form', { id: 'questions-form', lang: language },
     ...items.map((item, i) => question(item, i + 1, language)),
     make('button', { type: 'submit', class: 'main', id: 'send-answers' }, 'Send the answers'), trouble);
+  for (const [item, value] of Object.entries(answersSoFar.read().answers ?? {})) {
+    const answers = form.elements.namedItem(item);
+    if (answers) answers.value = value;
+  }
+  form.addEventListener('change', () => answersSoFar.keep({ answers: Object.fromEntries(new FormData(form)) }));
   find('questions').hidden = false;
   find('questions-body').replaceChildren(form);
   find('questions-heading').focus();
@@ -38,6 +69,7 @@ export function ask({ items, languages }, store) {
       event.preventDefault();
       try {
         await store(Object.fromEntries(new FormData(form)));
+        answersSoFar.forget();
         find('questions-body').replaceChildren(make('p', {}, 'Thank you. The answers are stored.'));
         resolve();
       } catch (error) {

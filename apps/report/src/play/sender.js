@@ -20,6 +20,11 @@ class No extends Error {
   }
 }
 
+/** Throws what is to be told of a request that failed. */
+function inWords(error) {
+  throw error instanceof No ? error : new Error('the connection is interrupted');
+}
+
 export class Sender {
   /**
    * @param key      of the page: a try whose answer was lost begins again with the same one
@@ -111,6 +116,6 @@ export class Sender {
 
   /** @throws  in words, for answers that are not taken */
   async answer(answers) {
-    await this.post('answers', { body: JSON.stringify(answers) });
+    await this.post('answers', { body: JSON.stringify(answers) }).catch(inWords);
   }
 }
