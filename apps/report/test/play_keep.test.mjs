@@ -82,10 +82,17 @@ test('a full disk is told, and the game can still be saved', async () => {
   const made = await page.evaluate(() => window.headpin.game.made);
   await until(page, (since) => window.headpin.game.made > since + 500_000, made);
   const result = await endAndSave(page, 'full.lcmlog');
+  const name = await page.evaluate(() => window.headpin.last.name);
+  const beginning = page.locator('#files li', { hasText: name });
+  assert.match(await beginning.textContent(), /\(only its beginning; the whole game is above\)/);
+  assert.equal(await saveBy(page, '#files button >> nth=0', 'beginning.lcmlog'), name.replace('.lcmlog', '-beginning.lcmlog'));
   assert.match(await page.textContent('#kept'), /no room left/);
   assert.equal(verified('full.lcmlog').verified_ticks, result.ticks);
   const { events } = infoOf('full.lcmlog');
   assert.match(events.find(({ kind }) => kind === 'not_stored').detail, /no room left/);
+  // The saved game makes room for the next one in memory.
+  await startGame(page);
+  await until(page, () => /\(only its beginning\)/.test(document.getElementById('files-body').textContent));
   await context.close();
 });
 

@@ -40,6 +40,7 @@ const megabytes = (bytes) => `${(bytes / 1e6).toFixed(1)} MB`;
 class Page {
   key = newKey();  // of this page, for the server
   inMemory = [];  // games that the browser has not stored: {name, log, saved}
+  cutShort = new Set();  // their names: of each, the list of files may have the beginning
 
   async open() {
     const json = await jsonBlock('play');
@@ -265,7 +266,10 @@ class Page {
     const { store } = this;
     const log = await store.finish();
     this.last = { ...result, name: store.name, log, saved: false };
-    if (store.failed) this.inMemory.push(this.last);
+    if (store.failed) {
+      this.inMemory.push(this.last);
+      this.cutShort.add(store.name);
+    }
     this.showControls(false);
     this.tellEnd();
     await this.listFiles();
@@ -308,6 +312,7 @@ class Page {
     this.last = null;
     this.inMemory = this.inMemory.filter(({ saved }) => !saved);
     this.listInMemory();
+    this.listFiles();  // the game does not wait for it
   }
 
   /** The games before the last one that are in memory alone, each with its button. */
@@ -375,9 +380,12 @@ class Page {
     const logs = await keptLogs();
     const rows = logs.map(({ name, file, playing }) => {
       const row = make('li', {}, `${name}, ${megabytes(file.size)} `);
+      const cut = this.cutShort.has(name);
+      if (cut) row.append(`(only its beginning${this.inMemory.some((game) => game.name === name) ? '; the whole game is above' : ''}) `);
+      const saved = cut ? name.replace(/\.lcmlog$/, '-beginning.lcmlog') : name;
       if (playing) row.append('(is being played)');
       else row.append(
-        make('button', { type: 'button', onclick: () => save(name, file) }, 'Save ', make('span', { class: 'hidden' }, name)),
+        make('button', { type: 'button', onclick: () => save(saved, file) }, 'Save ', make('span', { class: 'hidden' }, saved)),
         make('button', { type: 'button', onclick: () => this.remove(name) }, 'Delete ', make('span', { class: 'hidden' }, name)));
       return row;
     });
