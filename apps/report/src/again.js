@@ -2,7 +2,7 @@
 import { rawBlock, hasBlock, inflated } from './data.js';
 import { find, make } from './elements.js';
 import * as engines from './engine.js';
-import { againInWords } from './words.js';
+import { againInWords, number, skittlesInWords } from './words.js';
 
 /** Of one version of the game, where they differ in it: the red one. */
 function first(summary, key) {
@@ -101,11 +101,8 @@ export class Again {
 
   label() {
     for (const id of ['elasticity', 'friction']) {
-      const { summary } = this.trial.json;
-      const each = summary[id] === null && !(id in this.set)
-        ? Object.entries(summary.versions).map(([name, version]) => `${name} ${version[id].skittle.toFixed(2)}`)
-        : [Number(find(id).value).toFixed(2)];
-      find(id).parentElement.querySelector('output').textContent = each.join(', ');
+      find(id).parentElement.querySelector('output').textContent = id in this.set ? number(this.set[id])
+        : skittlesInWords(this.trial.json.summary, id);  // the slider itself rounds it to its steps
     }
   }
 

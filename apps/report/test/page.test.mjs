@@ -326,6 +326,19 @@ test('a moved slider gives what headpin replay gives under that condition', asyn
   await page.context().close();
 });
 
+test('a slider says what the trial has until it is moved, however it rounds', async () => {
+  headpin('replay', 'game.lcmlog', '--friction', '0.004', '-o', 'slippery.lcmlog');
+  headpin('report', 'slippery.lcmlog', '-o', 'slippery.html');
+  const { page } = await withEngine('slippery.html');
+  const said = () => page.textContent('label:has(#friction) output');
+  assert.equal(await said(), '0.004');
+  await page.fill('#friction', '0.2');
+  assert.equal(await said(), '0.2');
+  await page.click('#unmoved');
+  assert.equal(await said(), '0.004');
+  await page.context().close();
+});
+
 test('of a game with two versions a slider sets both', async () => {
   headpin('synthesize', '--participant', '7', '--throws', '1', '-o', 'versions.lcmlog');
   headpin('report', 'versions.lcmlog', '-o', 'versions.html');

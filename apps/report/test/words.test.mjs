@@ -6,7 +6,7 @@ import { csvOf } from '../src/csv.js';
 import { thinned } from '../src/curves.js';
 import { paired, resultRows, valueOf } from '../src/facts.js';
 import { againInWords, conditionInWords, eyeInWords, firstDifferenceInWords, framesOf, hashInWords, headInWords, lostEnergy, number, resultInBrief,
-  versionInWords, videoInWords } from '../src/words.js';
+  skittlesInWords, versionInWords, videoInWords } from '../src/words.js';
 
 const each = (value) => ({ skittle: value, ball: value, lane: value, wall: value });
 
@@ -42,6 +42,12 @@ test('a game of ten frames is told by its sheet, never as 64 of 10', () => {
     assert.match(words, /6 \/ \| X \| 3 4 = 112/);
   }
   assert.equal(resultInBrief(summary()), '9 of 10 skittles down');
+});
+
+test('what a slider would round is told as the trial has it', () => {
+  assert.equal(skittlesInWords(summary({ friction: each(0.004) }), 'friction'), '0.004');
+  const versions = { red: { friction: each(0.7) }, blue: { friction: each(0.004) } };
+  assert.equal(skittlesInWords(summary({ friction: null, versions }), 'friction'), 'red 0.7, blue 0.004');
 });
 
 test('a spare is a spare in the table too', () => {
