@@ -192,6 +192,21 @@ test('the questions are asked, though the answer to the end was lost', async () 
   await server.stop();
 });
 
+test('where the game cannot be sent for good, it is said that the questions are not asked', async () => {
+  headpin('experiment', 'plan', '-o', 'refused');
+  const server = await serving('refused');
+  const context = await contextOf();
+  const { page } = await openGame(context, server.links[0]);
+  await page.route('**/log?*', (route) => route.fulfill({ status: 413, body: 'the log is too long' }));
+  await startGame(page);
+  await until(page, () => window.headpin.sender.failed);
+  await page.click('#end');
+  await page.waitForSelector('text=The questions are not asked here');
+  assert.match(await page.textContent('#sent'), /Nothing more can be sent: the log is too long\./);
+  await context.close();
+  await server.stop();
+});
+
 test('a link can be used, though the answer to the beginning was lost; a try leaves no log in the browser', async () => {
   const server = await serving('paper-room', '-o', 'tried');
   const context = await contextOf();

@@ -282,7 +282,14 @@ class Page {
     const { questions } = this.json.guest;
     if (questions) answersSoFar.keep({ key: this.key });
     await this.sender.finish();
-    if (questions && !this.sender.failed) await this.askQuestions();
+    if (questions && this.sender.failed) this.tellNotAsked();
+    else if (questions) await this.askQuestions();
+  }
+
+  tellNotAsked() {
+    find('questions').hidden = false;
+    find('questions-body').replaceChildren(make('p', {},
+      'The questions are not asked here, as the game could not be sent. Save the game, and tell the people who invited you.'));
   }
 
   offerNoGame() {

@@ -1,5 +1,6 @@
 // Sends a game's log to the machine that the page came from, while it grows.
 const kMostAtOnce = 1_000_000;             // bytes of a request
+const kLeastAtOnce = 10_000;               // bytes that a slow line still takes in `kSilence`
 const kWaits = [250, 500, 1000, 2000, 4000];  // ms before the next try
 const kSilence = 15_000;                   // ms, after which a request has failed
 
@@ -36,6 +37,7 @@ export class Sender {
     this.pieces = [];
     this.made = 0;       // bytes
     this.sent = 0;       // of them, that are there
+    this.atOnce = kMostAtOnce;  // bytes of the next request: fewer after one that failed
     this.trouble = '';   // why nothing gets there now
     this.wake = () => {};
   }
@@ -102,8 +104,7 @@ export class Sender {
     // What arrived, although its answer did not, need not be sent again.
     if (again) this.sent = (await this.post('begin')).size;
     if (this.sent < this.made) {
-      const body = new Blob(this.pieces).slice(this.sent, this.sent + kMostAtOnce);
-      this.sent = (await this.post('log', { at: this.sent, body })).size;
+      await this.sendPiece();
       this.onState();
     } else if (this.ending) {
       await this.post('end', { at: this.made });
@@ -111,6 +112,18 @@ export class Sender {
       this.onState();
     } else {
       await new Promise((resolve) => { this.wake = resolve; });
+    }
+  }
+
+  /** A slow line may take too long for a large piece: the next one is half as large, until one arrives. */
+  async sendPiece() {
+    const body = new Blob(this.pieces).slice(this.sent, this.sent + this.atOnce);
+    try {
+      this.sent = (await this.post('log', { at: this.sent, body })).size;
+      this.atOnce = Math.min(2 * this.atOnce, kMostAtOnce);
+    } catch (error) {
+      if (!(error instanceof No)) this.atOnce = Math.max(this.atOnce / 2, kLeastAtOnce);
+      throw error;
     }
   }
 
