@@ -47,6 +47,12 @@ std::string mark(const Sheet& game, const std::string& what) {
 
 }  // namespace
 
+int skittles_in(const Event& event) {
+  const bool possible = event.value >= 0.0 && event.value <= static_cast<double>(kMostSkittles) &&
+                        event.value == std::floor(event.value);
+  return possible ? static_cast<int>(event.value) : 0;
+}
+
 bool is_of_ball(const Event& event) {
   return !event.bodies.empty() && role_named(event.bodies.front()) == Role::ball;
 }
@@ -125,10 +131,8 @@ void Score::follow_ball(const Event& event, const Scenario& scenario, Sheet& gam
 void Score::add_to_game(const Event& event, const Scenario& scenario) {
   if (const auto* rules = event.detail.get_if<GameKind>()) {
     if (games.empty()) skittles_down = felled_by_hand = 0;  // earlier falls are in no sheet
-    games.push_back({.version = version_,
-                     .rules = *rules,
-                     .rack = static_cast<int>(event.value),
-                     .frames = {{}}});
+    games.push_back(
+        {.version = version_, .rules = *rules, .rack = skittles_in(event), .frames = {{}}});
     current_ = {};
     taken_back_.reset();
   }
@@ -136,15 +140,15 @@ void Score::add_to_game(const Event& event, const Scenario& scenario) {
   Sheet& game = games.back();
   follow_ball(event, scenario, game);
   if (event.kind == kind::dead_wood) {
-    game.marks.push_back(mark(game, fmt::format("{} by hand", event.value)));
-    felled_by_hand += static_cast<std::int64_t>(event.value);
+    game.marks.push_back(mark(game, fmt::format("{} by hand", skittles_in(event))));
+    felled_by_hand += skittles_in(event);
   }
   if (event.kind == kind::set_again) {
-    game.marks.push_back(mark(game, fmt::format("{} by a stray ball", event.value)));
+    game.marks.push_back(mark(game, fmt::format("{} by a stray ball", skittles_in(event))));
   }
   if (event.kind == kind::delivery) {
-    game.frames.back().push_back(static_cast<int>(event.value));
-    skittles_down += static_cast<std::int64_t>(event.value);
+    game.frames.back().push_back(skittles_in(event));
+    skittles_down += skittles_in(event);
   }
   if (event.kind == kind::game_over) game.over = true;
   if (event.kind == kind::frame) game.frames.emplace_back();
@@ -171,13 +175,13 @@ void Score::add_to_throw(const Event& event) {
     const auto* contact = event.detail.get_if<FirstContact>();
     if (contact) row.entry_angle_deg = degrees_from_y(contact->v_WB);
   }
-  if (event.kind == kind::dead_wood) row.felled_by_hand = static_cast<int>(event.value);
+  if (event.kind == kind::dead_wood) row.felled_by_hand = skittles_in(event);
   if (event.kind == kind::delivery && !games.empty() && row.frame == 0) {
     row.frame = static_cast<int>(games.back().frames.size());
     row.ball = static_cast<int>(games.back().frames.back().size()) + 1;
     row.felled_by_ball = static_cast<int>(event.bodies.size());
     row.felled_by_hand = row.felled_by_hand.value_or(0);
-    row.counted = static_cast<int>(event.value);
+    row.counted = skittles_in(event);
   }
   release_speed = throws.front().speed;
   impact_speed = throws.front().entry_speed;
@@ -204,14 +208,12 @@ void Score::add_to_way(const Event& event) {
 void Score::add_to_leave(const Event& event) {
   if (event.kind == kind::game || event.kind == kind::frame) down_.clear();
   const bool removes =
-      event.kind == kind::dead_wood || (event.kind == kind::delivery && event.value > 0.0);
-  if (removes) down_.insert(down_.end(), event.bodies.begin(), event.bodies.end());
+      event.kind == kind::dead_wood || (event.kind == kind::delivery && skittles_in(event) > 0);
+  if (removes) down_.insert(event.bodies.begin(), event.bodies.end());
   if (event.kind != kind::delivery || throws.empty() || games.empty()) return;
   std::vector<int> standing;
   for (int number = 1; number <= games.back().rack; ++number) {
-    if (std::ranges::find(down_, name_of_skittle(number)) == down_.end()) {
-      standing.push_back(number);
-    }
+    if (!down_.contains(name_of_skittle(number))) standing.push_back(number);
   }
   throws.back().leave = fmt::format("{}", fmt::join(standing, "-"));
   if (standing.empty() || rules_of(games.back().rules).full_rack) down_.clear();

@@ -67,7 +67,7 @@ struct Score {
   std::string version_;
   Current current_;
   std::optional<TakenBack> taken_back_;
-  std::vector<std::string> down_;  ///< skittles counted since the rack was set
+  std::set<std::string> down_;  ///< skittles counted since the rack was set
 };
 
 /// @param scenario  of the session
@@ -76,6 +76,10 @@ Score score(std::span<const Event> events, const Scenario& scenario = {});
 /// The score of a trial by its own events and scenario; of one whose scenario cannot be read, by the rules
 /// of today's default.
 Score score(const TrialSummary& trial);
+
+/// The number of skittles that an event's value says; 0 if it is none that a scenario may have, as in a
+/// damaged log.
+int skittles_in(const Event& event);
 
 /// Whether an event tells of a ball, which it names first.
 bool is_of_ball(const Event& event);

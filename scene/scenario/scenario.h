@@ -85,6 +85,8 @@ struct Lane {
   Oil oil;
 };
 
+inline constexpr std::size_t kMostSkittles = 10'000;
+
 struct Rack {
   std::vector<Vec2> spots;  ///< from the head pin's spot: x right, y away from the player
 };

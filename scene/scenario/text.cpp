@@ -244,8 +244,8 @@ class Reader {
 
   void read(const toml::node& node, const std::string& path, std::vector<Vec2>& value, Range) {
     const toml::array* array = node.as_array();
-    if (!array || array->empty() || array->size() > 10'000) {
-      refuse(node, path, "a list of 1 to 10000 pairs of numbers");
+    if (!array || array->empty() || array->size() > kMostSkittles) {  // nor has a profile more
+      refuse(node, path, fmt::format("a list of 1 to {} pairs of numbers", kMostSkittles));
     }
     value.clear();
     for (const toml::node& item : *array) {

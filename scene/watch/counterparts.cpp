@@ -45,7 +45,7 @@ std::vector<ThrownBall> thrown(std::span<const Event> events) {
       all.push_back({static_cast<int>(all.size()) + 1, version, event.time, event.tick, {}});
     }
     if (event.kind == kind::delivery && counted < all.size()) {
-      all.back().felled = static_cast<int>(event.value);
+      all.back().felled = skittles_in(event);
       counted = all.size();
     }
   }

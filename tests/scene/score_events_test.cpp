@@ -1,6 +1,7 @@
 // The score of events that are written by hand: what a sheet marks, and what a throw's row has.
 
 #include <algorithm>
+#include <cmath>
 
 #include <gmock/gmock.h>
 
@@ -206,6 +207,31 @@ TEST(ScoreOfEvents, ALeaveHasTheSkittlesThatAreSetUpAgainAtOnce) {
   const auto leave = std::ranges::find(columns, "leave", &TableColumn::name);
   ASSERT_NE(leave, columns.end());
   EXPECT_THAT(leave->meaning, testing::HasSubstr("set up again at once"));
+}
+
+// Of a damaged log, or of a guest who sends what he likes.
+TEST(ScoreOfEvents, NumbersOfSkittlesThatCannotBeAreNone) {
+  for (const double value : {2e9, 10'001.0, std::nan(""), -1.0, 2.5, 1e300}) {
+    Told told(GameKind::plain, 4);
+    told.events.front().value = value;
+    told.at(240, kind::release).at(700, kind::dead_wood, {"skittle 4"}, value);
+    told.at(700, kind::set_again, {"skittle 3"}, value);
+    told.at(700, kind::delivery, {"skittle 1"}, value);
+    const Score score = headpin::scene::score(told.events);
+    ASSERT_EQ(score.games.size(), 1u);
+    EXPECT_EQ(score.games[0].rack, 0) << value;
+    EXPECT_THAT(score.games[0].frames, ElementsAre(ElementsAre(0)));
+    EXPECT_THAT(score.games[0].marks,
+                ElementsAre("0 by hand (frame 1 ball 1)", "0 by a stray ball (frame 1 ball 1)"));
+    EXPECT_EQ(score.skittles_down, 0);
+    EXPECT_EQ(score.felled_by_hand, 0);
+    EXPECT_EQ(score.throws.at(0).counted, 0);
+    EXPECT_EQ(score.throws.at(0).felled_by_hand, 0);
+    EXPECT_EQ(score.throws.at(0).leave, "");
+  }
+  Event most;
+  most.value = 10'000.0;
+  EXPECT_EQ(skittles_in(most), 10'000);
 }
 
 }  // namespace
