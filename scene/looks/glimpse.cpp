@@ -9,14 +9,10 @@ namespace headpin::scene {
 
 namespace {
 
-/// How closed the hand is, 0 to 1. Closing and opening take equally long, from the tick of the grab
-/// or release.
-double how_closed(const Session& session) {
-  constexpr double kTakes = 0.1;  // [s]
+double closed_hand(const Session& session) {
   const Player& player = session.player;
   if (!player.grip_changed) return 0.0;
-  const double share = std::clamp(seconds(session.now() - *player.grip_changed) / kTakes, 0.0, 1.0);
-  return player.held ? share : 1.0 - share;
+  return how_closed(player.held.has_value(), seconds(session.now() - *player.grip_changed));
 }
 
 /// The rings of oil that the last throw left on its ball.
@@ -34,6 +30,12 @@ void add_rings(const Session& session, Glimpse& g) {
 
 }  // namespace
 
+double how_closed(bool holds, double since) {
+  constexpr double kTakes = 0.1;  // [s]
+  const double share = std::clamp(since / kTakes, 0.0, 1.0);
+  return holds ? share : 1.0 - share;
+}
+
 bool shows_ellipsoids(const Scenario& scenario) {
   return scenario.skittle.seen == SeenSkittle::collider &&
          scenario.collision.shape == SkittleShape::ellipsoid;
@@ -44,7 +46,7 @@ Glimpse glimpse(const Session& session, const Pose& X_WD) {
             .ellipsoids = shows_ellipsoids(session.scenario()),
             .skittle_centre = session.stage->skittle_centre,
             .X_WH = hand_pose(session),
-            .closed = how_closed(session),
+            .closed = closed_hand(session),
             .board = board_text(session)};
   const auto poses_of = [&](const std::vector<engine::BodyId>& bodies, std::vector<Pose>& poses) {
     for (const engine::BodyId body : bodies) poses.push_back(session.world.states[body].X_WB);

@@ -32,6 +32,11 @@ Glimpse glimpse(const Session& session, const Pose& X_WD);
 /// @param X_BG  of Glimpse::X_BG_rings
 double ring_radius(double ball_radius, const Pose& X_BG);
 
+/// How closed the hand is, 0 to 1. Closing and opening take equally long.
+///
+/// @param since  time since the tick of the grab or release [s]
+double how_closed(bool holds, double since);
+
 /// Whether skittles are drawn as the ellipsoids that collide.
 bool shows_ellipsoids(const Scenario& scenario);
 

@@ -325,10 +325,14 @@ void append_rings(DrawList& list, const Looks& looks, const Glimpse& g) {
 
 }  // namespace
 
-DrawnCentres drawn_centres(const Stage& stage) {
-  DrawnCentres centres{.true_skittle = stage.skittle_centre};
-  if (stage.scenario.collision.rules >= 13) centres.ellipsoid = 0.5 * stage.scenario.skittle.height;
+DrawnCentres drawn_centres(const Scenario& scenario, double centre) {
+  DrawnCentres centres{.true_skittle = centre};
+  if (scenario.collision.rules >= 13) centres.ellipsoid = 0.5 * scenario.skittle.height;
   return centres;
+}
+
+DrawnCentres drawn_centres(const Stage& stage) {
+  return drawn_centres(stage.scenario, stage.skittle_centre);
 }
 
 SkittleLook skittle_look(bool ellipsoid, double centre, const DrawnCentres& drawn) {

@@ -69,6 +69,8 @@ struct DrawnCentres {
   std::optional<double> ellipsoid = {};
 };
 
+/// @param centre  height of the body's origin above the skittle's base as the session begins [m]
+DrawnCentres drawn_centres(const Scenario& scenario, double centre);
 DrawnCentres drawn_centres(const Stage& stage);
 
 /// All visible objects of a stage, and their light.

@@ -6,8 +6,11 @@
 
 #include "devices/base/sample.h"
 #include "scene/looks/glimpse.h"
+#include "scene/looks/looks.h"
 #include "scene/record/events.h"
+#include "scene/stage/bodies.h"
 #include "scene/stage/read_scenario.h"
+#include "scene/stage/stage.h"
 
 namespace headpin::scene {
 
@@ -61,7 +64,14 @@ void FollowedLog::take(const TrialHeader& header) {
   if (header_) return;
   header_ = header;
   try {
-    scenario_ = scenario_of_trial(header.scenario, "log");
+    const Scenario begun = scenario_of_trial(header.scenario, "log");
+    const auto centre = [](const Scenario& s) { return skittle_body(s).centre_height; };
+    centres_.fill(centre(begun));
+    if (const Versions& v = begun.version; v.buttons) {
+      centres_[1] = centre(under(begun, v.red));
+      centres_[2] = centre(under(begun, v.blue));
+    }
+    scenario_ = begun;
   } catch (const std::exception&) {  // the room is then drawn as it is without versions
   }
 }
@@ -83,7 +93,13 @@ void FollowedLog::take(const Event& event) {
   if (event.kind == kind::played_with) played_with_ = event.detail.text();
   if (event.kind == kind::version && scenario_) {
     const Versions& versions = scenario_->version;
-    scenario_ = under(*scenario_, event.detail.text() == "red" ? versions.red : versions.blue);
+    version_ = event.detail.text() == "red" ? 1 : 2;
+    scenario_ = under(*scenario_, version_ == 1 ? versions.red : versions.blue);
+  }
+  if (event.kind == kind::version) holds_ = false;
+  if (event.kind == kind::grab || event.kind == kind::release) {
+    holds_ = event.kind == kind::grab;
+    grip_tick_ = event.tick;
   }
   static const Scenario unknown;
   score_.add(event, scenario_ ? *scenario_ : unknown);
@@ -122,28 +138,48 @@ bool FollowedLog::shows_ellipsoids() const {
   return scenario_ && scene::shows_ellipsoids(*scenario_);
 }
 
+/// How much higher a skittle's mesh is drawn than its body's origin [m].
+double FollowedLog::raised() const {
+  if (!scenario_) return 0.0;
+  const DrawnCentres drawn = drawn_centres(*scenario_, centres_[0]);
+  return skittle_look(shows_ellipsoids(), centres_[version_], drawn).raised;
+}
+
 std::optional<Pose> FollowedLog::head() const {
   if (!frame_) return std::nullopt;
   return Pose{frame_->X_WE[0].q, 0.5 * (frame_->X_WE[0].p + frame_->X_WE[1].p)};
 }
 
-/// Where the hand's sensor is beside the head's.
+/// By where the hand's sensor is beside the head's.
 std::optional<Pose> FollowedLog::hand() const {
   const std::optional<Pose> X_WD = head();
   const Rig rig = scenario_ ? scenario_->rig : Rig{};
   const auto its_head = X_TS_.find(static_cast<std::int32_t>(rig.head_station));
   const auto its_hand = X_TS_.find(static_cast<std::int32_t>(rig.hand_station));
   if (!X_WD || its_head == X_TS_.end() || its_hand == X_TS_.end()) return std::nullopt;
-  return Pose{R_WT_ * its_hand->second.q,
-              X_WD->p + R_WT_ * (its_hand->second.p - its_head->second.p)};
+  const Vec3 p_WS_head = *X_WD * rig.X_SD.inverse().p;
+  const Pose X_WS{R_WT_ * its_hand->second.q,
+                  p_WS_head + R_WT_ * (its_hand->second.p - its_head->second.p)};
+  return X_WS * rig.X_SH;
+}
+
+double FollowedLog::closed() const {
+  if (!grip_tick_) return 0.0;
+  const double ticks = static_cast<double>(last_.tick) - static_cast<double>(*grip_tick_);
+  const std::int64_t rate = (scenario_ ? scenario_->rates : Rates{}).physics_hz;
+  return how_closed(holds_, ticks / static_cast<double>(rate));
 }
 
 json FollowedLog::state() const {
   json bodies = json::object();
   if (header_) {
     const std::size_t count = std::min(header_->body_names.size(), last_.bodies.size());
+    const double up = raised();
     for (std::size_t i = 0; i < count; ++i) {
-      bodies[header_->body_names[i]] = numbers(last_.bodies[i].X_WB);
+      const std::string& name = header_->body_names[i];
+      Pose X_WB = last_.bodies[i].X_WB;
+      if (up != 0.0 && role_named(name) == Role::skittle) X_WB.p = X_WB * Vec3(0.0, 0.0, up);
+      bodies[name] = numbers(X_WB);
     }
   }
   json lost = json::array();
@@ -165,6 +201,8 @@ json FollowedLog::state() const {
           {"ended", ended_},
           {"head", numbers(head())},
           {"hand", numbers(hand())},
+          {"left_hand", scenario_ && scenario_->rig.hand_station == devices::kLeftHandStation},
+          {"closed", closed()},
           {"ellipsoids", shows_ellipsoids()},
           {"bodies", std::move(bodies)}};
 }

@@ -29,8 +29,8 @@ class FollowedLog {
   /// @param piece  the bytes that follow those before
   void add(std::span<const std::uint8_t> piece);
 
-  /// How the session is going: tick, time, score, frames, tracking, and where everything is
-  /// (quaternion w, x, y, z, then place [m], in the world).
+  /// How the session is going: tick, time, score, frames, tracking, and where everything is drawn, as
+  /// PageSession::see() has it (quaternion w, x, y, z, then place [m], in the world).
   nlohmann::json state() const;
 
   /// Whether the log's end has come.
@@ -48,8 +48,10 @@ class FollowedLog {
   void take(const FrameRecord& frame);
 
   bool shows_ellipsoids() const;
+  double raised() const;
   std::optional<Pose> head() const;
   std::optional<Pose> hand() const;
+  double closed() const;
   double frame_rate_hz() const;
 
   Quat R_WT_;
@@ -58,13 +60,18 @@ class FollowedLog {
   bool ended_ = false;
   std::optional<TrialHeader> header_;
   std::optional<Scenario> scenario_;  ///< of the version that is played; none if it cannot be read
+  /// Heights of a skittle's origin above its base [m]: as the session begins, in red, in blue.
+  std::array<double, 3> centres_{};
+  std::size_t version_ = 0;  ///< of centres_
   StateHistory history_;
   TickState last_;
   Score score_;
   std::map<std::int32_t, Pose> X_TS_;  ///< of each station, the last good one
   std::set<std::string> lost_;         ///< what is not tracked now
   std::int64_t times_lost_ = 0, pauses_ = 0, frames_ = 0;
-  std::deque<Time> frame_times_;  ///< of the last ones
+  bool holds_ = false;                     ///< the hand, something
+  std::optional<std::int64_t> grip_tick_;  ///< of the last grab or release
+  std::deque<Time> frame_times_;           ///< of the last ones
   std::optional<FrameRecord> frame_;
   std::string played_with_;
 };

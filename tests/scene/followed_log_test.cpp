@@ -2,10 +2,14 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "base/random.h"
+#include "scene/looks/glimpse.h"
+#include "scene/page/browser_device.h"
+#include "scene/page/page_session.h"
 #include "scene/play/run.h"
 #include "scene/record/events.h"
 #include "scene/record/trial_events.h"
@@ -198,6 +202,108 @@ TEST(FollowedLog, AnyBytesAreTaken) {
   follow.add(played.log);
   EXPECT_EQ(follow.state()["skittles_down"], played.score.skittles_down);
   EXPECT_GT(follow.state()["unusable"], 0);
+}
+
+devices::TrackerSample held_still(std::int64_t station, Time time, const Pose& X_TS) {
+  devices::TrackerSample sample;
+  sample.station = static_cast<std::int32_t>(station);
+  sample.device_time = sample.host_time = time;
+  sample.X_TS = X_TS;
+  return sample;
+}
+
+/// A guest who holds head and hand still, and takes the ball after half a second.
+/// @param ends   when that ends [s]
+/// @param view   what the guest's page draws then, as PageSession::see() has it
+nlohmann::json watched(const Scenario& scenario, const std::string& device, bool left_hand,
+                       double ends, std::vector<float>& view) {
+  const Scenario played = played_with(scenario, browser_device(device), left_hand);
+  PageSession::Options options;
+  options.device = device;
+  options.left_hand = left_hand;
+  PageSession session(to_toml(scenario), options);
+  const Pose X_TW = played.rig.X_WT.inverse();
+  const Pose X_WD{rotation(Vec3(0.4 * M_PI, 0.0, 0.0)), played.rig.X_WT.p + Vec3(0.1, 0.0, 1.7)};
+  Pose X_WH{rotation(Vec3(0.5 * M_PI, 0.1, 0.2)), Vec3::Zero()};
+  X_WH.p = played.ball.home - X_WH.q * played.hand.grip;
+  bool pressed = false;
+  for (int frame = 0; frame <= static_cast<int>(60.0 * ends); ++frame) {
+    const Time now = microseconds(frame / 60.0);
+    session.take(held_still(played.rig.head_station, now, X_TW * X_WD));
+    session.take(held_still(played.rig.hand_station, now, X_TW * X_WH * played.rig.X_SH.inverse()));
+    if (frame == 30) pressed = true;
+    session.take(devices::MouseSample{.device_time = now, .host_time = now, .trigger = pressed});
+    session.advance(now);
+  }
+  FrameRecord frame;
+  frame.X_WE.fill(X_WD);
+  session.drew(frame);
+  session.see(view);
+  FollowedLog follow(played.rig.X_WT.q);
+  follow.add(session.take_log());
+  return follow.state();
+}
+
+/// @param at  of a pose in the view
+void expect_drawn(const nlohmann::json& pose, const std::vector<float>& view, std::size_t at) {
+  ASSERT_EQ(pose.size(), 7u);
+  const double sign = pose[0].get<double>() * view[at] < 0.0 ? -1.0 : 1.0;  // q and -q are one turn
+  for (std::size_t i = 0; i < 7; ++i) {
+    EXPECT_NEAR((i < 4 ? sign : 1.0) * pose[i].get<double>(), view[at + i], 1e-5) << i;
+  }
+}
+
+TEST(FollowedLog, TheOperatorSeesHeadHandAndSkittlesAsTheGuestDoes) {
+  constexpr std::size_t kClosed = 1, kX_WH = 12, kX_WD = 19, kBodies = 26;
+  Scenario ellipsoids;
+  ellipsoids.skittle.seen = SeenSkittle::collider;
+  ellipsoids.collision.shape = SkittleShape::ellipsoid;
+  for (const Scenario& scenario : {Scenario{}, ellipsoids}) {
+    for (const auto& [device, left_hand] :
+         {std::pair{"mouse", false}, {"generic-webxr", false}, {"generic-webxr", true}}) {
+      SCOPED_TRACE(fmt::format("{} {} {}", shows_ellipsoids(scenario), device, left_hand));
+      std::vector<float> view;
+      const nlohmann::json state = watched(scenario, device, left_hand, 0.8, view);
+      EXPECT_EQ(state["unusable"], 0);
+      EXPECT_EQ(state["left_hand"], left_hand);
+      EXPECT_EQ(view[kClosed], 1.0F);
+      EXPECT_EQ(state["closed"], 1.0);
+      expect_drawn(state["hand"], view, kX_WH);
+      expect_drawn(state["head"], view, kX_WD);
+      for (std::size_t i = 0; i < scenario.rack.spots.size(); ++i) {
+        const std::string name = name_of_skittle(static_cast<int>(i) + 1);
+        expect_drawn(state["bodies"][name], view, kBodies + 7 * i);
+      }
+    }
+  }
+  // An ellipsoid stands on the floor, though it is weighed as the true skittle.
+  std::vector<float> view;
+  const nlohmann::json state = watched(ellipsoids, "mouse", false, 0.1, view);
+  const double z = state["bodies"]["skittle 1"][6];
+  EXPECT_NEAR(z, 0.5 * ellipsoids.skittle.height, 1e-3);
+  EXPECT_EQ(state["closed"], 0.0);
+}
+
+TEST(FollowedLog, TheHandClosesAsTheGuestSeesIt) {
+  for (const double ends : {0.56, 0.59}) {
+    std::vector<float> view;
+    const nlohmann::json state = watched(Scenario{}, "generic-webxr", false, ends, view);
+    EXPECT_GT(view[1], 0.0F);
+    EXPECT_LT(view[1], 1.0F);
+    EXPECT_NEAR(state["closed"].get<double>(), view[1], 1e-4) << ends;
+  }
+}
+
+// By rules before 13 the guest sees it lower too.
+TEST(FollowedLog, AnEllipsoidIsRaisedByTheRulesOfItsScenario) {
+  Scenario old;
+  old.skittle.seen = SeenSkittle::collider;
+  old.collision.shape = SkittleShape::ellipsoid;
+  old.collision.rules = 12;
+  std::vector<float> view;
+  const nlohmann::json state = watched(old, "mouse", false, 0.1, view);
+  expect_drawn(state["bodies"]["skittle 1"], view, 26);
+  EXPECT_LT(view[26 + 6], 0.5 * old.skittle.height - 0.02);
 }
 
 }  // namespace

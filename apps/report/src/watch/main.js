@@ -115,10 +115,11 @@ class Watch {
   }
 
   /** What PageSession::see would say of this state. */
-  viewOf({ bodies, head, hand, ellipsoids }) {
+  viewOf({ bodies, head, hand, ellipsoids, closed }) {
     const view = new Float32Array(inView.bodies + kPose * this.bodies.length);
     const put = (at, pose) => view.set(pose ?? [1, 0, 0, 0, 0, 0, 0], at);
     view[inView.ellipsoids] = ellipsoids ? 1 : 0;
+    view[inView.closed] = closed;
     view[inView.handSeen] = hand ? 1 : 0;
     put(inView.X_WP, null);
     put(inView.X_WH, hand);
@@ -130,6 +131,7 @@ class Watch {
   draw(game) {
     const { room } = this;
     if (game && Object.keys(game.bodies).length > 0) {
+      room.playWith(game.left_hand);
       room.put(this.viewOf(game));
       if (game.head) room.show(this.head, 0, game.head);
     }
