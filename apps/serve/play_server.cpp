@@ -92,7 +92,9 @@ WebAnswer PlayServer::of_operator(const WebRequest& request) {
   if (get && request.path == "/") return {.type = kHtml, .body = watch_page()};
   if (get && request.path == "/state") return in_json({{"guests", guests_.state()}});
   if (request.method == "POST" && request.path == "/links") {
-    return in_json({{"path", fmt::format("{}{}", kPlay, guests_.invite().token)}});
+    const Guest& guest = guests_.invite();
+    return in_json({{"path", fmt::format("{}{}", kPlay, guest.token)},
+                    {"participant", guest.place.participant}});
   }
   forbid();
 }

@@ -394,5 +394,19 @@ TEST_F(Serve, TheLinkOfAnEndedGameShowsTheQuestionsUntilTheyAreAnswered) {
   EXPECT_EQ(stop(), 0);
 }
 
+// Whose link it is; the participant of a game that was cut off gets no other one.
+TEST_F(Serve, ANewLinkSaysForWhomItIs) {
+  ASSERT_EQ(headpin("experiment plan -o study --people 2").code, 0);
+  start("study --links 1");
+  EXPECT_EQ(post(links_[0], "begin").status, 200);
+  const std::string links = "/links" + operator_.substr(1);
+  const auto made = nlohmann::json::parse(ask("POST", links).body);
+  EXPECT_EQ(made["participant"], "p002");
+  EXPECT_EQ(ask("GET", made["path"]).status, 200);
+  const Reply none = ask("POST", links);
+  EXPECT_EQ(none.status, 404);
+  EXPECT_THAT(none.body, HasSubstr("has played or has a link"));
+}
+
 }  // namespace
 }  // namespace headpin

@@ -225,6 +225,58 @@ test('a link can be used, though the answer to the beginning was lost; a try lea
   await server.stop();
 });
 
+test('the operator can click on Watch while somebody plays, and sees a left hand as one', async () => {
+  const server = await serving('paper-room', '-o', 'two', '--links', '2');
+  const context = await contextOf();
+  const operator = await context.newPage();
+  await operator.goto(server.operator);
+  await operator.waitForSelector('html[data-ready]');
+  const tokens = server.links.map((link) => link.split('/').pop());
+  const { page: first } = await openGame(context, server.links[0]);
+  await startGame(first);
+  const { page: second } = await openGame(context, server.links[1]);
+  await second.check('#hands [value=left]');
+  await startGame(second);
+  await sentMore(second);
+
+  const watch = `#watch-${tokens[1]}`;
+  await operator.waitForSelector(watch);
+  const tick = () => operator.evaluate((id) => Number(document.querySelector(id).closest('tr').cells[2].textContent), watch);
+  await operator.hover(watch);
+  await operator.mouse.down();
+  const before = await tick();
+  await until(operator, ({ id, than }) => Number(document.querySelector(id).closest('tr').cells[2].textContent) > than,
+    { id: watch, than: before });
+  await operator.mouse.up();
+  assert.equal(await operator.evaluate(() => window.headpin.watched), tokens[1]);
+
+  const isMirrored = () => window.headpin.room.hand.objects.every(({ matrixWorld }) => matrixWorld.determinant() < 0);
+  await until(operator, isMirrored);
+  await operator.click(`#watch-${tokens[0]}`);
+  await until(operator, () => window.headpin.room.hand.objects.every(({ matrixWorld }) => matrixWorld.determinant() > 0));
+  await context.close();
+  await server.stop();
+});
+
+test('the operator is told for whom a new link is, and why there is none', async () => {
+  headpin('experiment', 'plan', '-o', 'few', '--people', '2');
+  const server = await serving('few');
+  const context = await contextOf();
+  const operator = await context.newPage();
+  await operator.goto(server.operator);
+  await operator.waitForSelector('html[data-ready]');
+  await operator.click('#new-link');
+  await operator.waitForSelector('#link a');
+  assert.match(await operator.textContent('#link'), /^The new link, for p002: http/);
+  await operator.click('#new-link');
+  await until(operator, () => /^No link/.test(document.getElementById('link').textContent));
+  assert.equal(await operator.textContent('#link'), 'No link was made: everybody of the plan has played or has a link');
+  assert.equal(await operator.isVisible('#trouble'), false);
+  assert.equal(await operator.locator('#guests tbody tr').count(), 2);
+  await context.close();
+  await server.stop();
+});
+
 test('by HTTPS to other machines: the page has what a headset needs', async () => {
   const server = await serving('paper-room', '-o', 'https', '--bind', '0.0.0.0');
   assert.match(server.links[0], /^https:/);

@@ -8,6 +8,7 @@ import { inView, poseOf, Room } from '../play/scene.js';
 const kEvery = 250;  // ms between questions
 const kSilent = 3;   // s without a piece of the log, that are worth a word
 const kPose = 7;
+const kHead = ['Guest', 'State', 'Tick', 'Score', 'Frames a second', 'Tracking', 'Log', 'Link'];
 
 const token = new URLSearchParams(location.search).get('token');
 
@@ -54,17 +55,19 @@ class Watch {
     this.bodies = json.actors.filter(({ role }) => role === 'skittle' || role === 'ball');
     this.X_WC = viewpoint(json);
     this.watched = null;  // the token of the guest who is drawn
-    find('new-link').addEventListener('click', () => this.guard(this.makeLink()));
+    this.rows = new Map();  // of the guests, by their tokens
+    find('guests').replaceChildren(table('Who has a link', kHead, []));
+    find('new-link').addEventListener('click', () => this.makeLink());
     for (;;) {
-      await this.guard(this.look());
+      await this.tryToLook();
       document.documentElement.dataset.ready = 'yes';
       await new Promise((resolve) => { setTimeout(resolve, kEvery); });
     }
   }
 
-  async guard(work) {
+  async tryToLook() {
     try {
-      await work;
+      await this.look();
       find('trouble').hidden = true;
     } catch (error) {
       find('trouble').hidden = false;
@@ -72,10 +75,17 @@ class Watch {
     }
   }
 
+  /** Says the new link, or why there is none: nobody shall get the one before. */
   async makeLink() {
-    const { path } = await asked('/links', { method: 'POST' });
-    const url = `${location.origin}${path}`;
-    find('link').replaceChildren('The new link: ', make('a', { href: url }, url));
+    const said = find('link');
+    said.replaceChildren();
+    try {
+      const { path, participant } = await asked('/links', { method: 'POST' });
+      const url = `${location.origin}${path}`;
+      said.replaceChildren(`The new link${participant ? `, for ${participant}` : ''}: `, make('a', { href: url }, url));
+    } catch (error) {
+      said.replaceChildren(`No link was made: ${error.message}`);
+    }
   }
 
   async look() {
@@ -93,24 +103,36 @@ class Watch {
   }
 
   list(guests) {
-    const head = ['Guest', 'State', 'Tick', 'Score', 'Frames a second', 'Tracking', 'Log', 'Link'];
-    const rows = guests.map((guest) => {
-      const { game, bytes = 0, file = '', token: its } = guest;
-      const link = `${location.origin}/play/${its}`;
-      return [this.nameOf(guest), stateOf(guest), game ? String(game.tick) : '', game ? scoreOf(game) : '',
+    for (const guest of guests) {
+      const { game, bytes = 0, file = '' } = guest;
+      const texts = [this.nameOf(guest), stateOf(guest), game ? String(game.tick) : '', game ? scoreOf(game) : '',
         game ? game.frame_rate_hz.toFixed(0) : '', game ? trackingOf(game) : '',
-        game ? `${file}, ${(bytes / 1e6).toFixed(1)} MB` : '', this.linkCell(guest, link, its)];
-    });
-    const text = JSON.stringify(rows.map((row) => row.slice(0, -1)));
-    if (text === this.listed) return;  // what has the focus stays as it is
-    this.listed = text;
-    const focused = document.activeElement?.id;
-    find('guests').replaceChildren(table('Who has a link', head, rows));
-    if (focused) document.getElementById(focused)?.focus();
+        game ? `${file}, ${(bytes / 1e6).toFixed(1)} MB` : ''];
+      const row = this.rowOf(guest);
+      texts.forEach((text, i) => { if (row.cells[i].textContent !== text) row.cells[i].textContent = text; });
+      const invited = guest.state === 'invited';
+      if (invited === row.invited) continue;
+      row.invited = invited;
+      row.cells[texts.length].replaceChildren(invited ? this.linkOf(guest) : this.buttonOf(guest));
+    }
   }
 
-  linkCell({ state }, link, its) {
-    if (state === 'invited') return make('a', { href: link, id: `link-${its}` }, link);
+  /** The row of a guest. It stays while its texts change, so that what is in it can be clicked. */
+  rowOf({ token: its }) {
+    if (!this.rows.has(its)) {
+      const cells = kHead.map((_, i) => (i === 0 ? make('th', { scope: 'row' }) : make('td')));
+      find('guests').querySelector('tbody').append(make('tr', {}, cells));
+      this.rows.set(its, { cells, invited: null });
+    }
+    return this.rows.get(its);
+  }
+
+  linkOf({ token: its }) {
+    const url = `${location.origin}/play/${its}`;
+    return make('a', { href: url, id: `link-${its}` }, url);
+  }
+
+  buttonOf({ token: its }) {
     return make('button', { type: 'button', id: `watch-${its}`, onclick: () => { this.watched = its; } }, 'Watch');
   }
 
