@@ -52,7 +52,7 @@ Guest& Guests::invite() {
   guest.token = random_token();
   const scene::Scenario played =
       scene::played_with(place.scenario, scene::browser_devices().front(), false);
-  guest.followed = scene::FollowedLog(played.rig.X_WT.q);
+  guest.followed = scene::FollowedLog(played.rig.X_WT.q, played.rack.spots.size());
   guest.place = std::move(place);
   return guest;
 }

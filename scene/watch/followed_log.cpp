@@ -83,6 +83,11 @@ void FollowedLog::take(const devices::TrackerSample& sample) {
 }
 
 void FollowedLog::take(const Event& event) {
+  if (event.detail.get_if<GameKind>() &&
+      event.value > skittles_) {  // each throw would name them all
+    ++unusable_;
+    return;
+  }
   if (event.kind == kEndEvent) ended_ = true;
   if (event.kind == kind::tracking_lost) {
     ++times_lost_;

@@ -23,8 +23,10 @@ namespace headpin::scene {
 /// the log, but for its throws. It accepts any bytes.
 class FollowedLog {
  public:
-  /// @param R_WT  of the tracked space that the log's samples are in
-  explicit FollowedLog(const Quat& R_WT = Quat::Identity()) : R_WT_(R_WT) {}
+  /// @param R_WT      of the tracked space that the log's samples are in
+  /// @param skittles  that the session has; a game of more is not the log's
+  explicit FollowedLog(const Quat& R_WT = Quat::Identity(), std::size_t skittles = kMostSkittles)
+      : R_WT_(R_WT), skittles_(static_cast<double>(skittles)) {}
 
   /// @param piece  the bytes that follow those before
   void add(std::span<const std::uint8_t> piece);
@@ -55,6 +57,7 @@ class FollowedLog {
   double frame_rate_hz() const;
 
   Quat R_WT_;
+  double skittles_;
   std::vector<std::uint8_t> rest_;  ///< an event that is not whole yet
   std::int64_t unusable_ = 0;       ///< bytes and messages that cannot be read
   bool ended_ = false;

@@ -306,5 +306,24 @@ TEST(FollowedLog, AnEllipsoidIsRaisedByTheRulesOfItsScenario) {
   EXPECT_LT(view[26 + 6], 0.5 * old.skittle.height - 0.02);
 }
 
+// A guest could make the server write down ten thousand numbers for each throw.
+TEST(FollowedLog, AGameOfMoreSkittlesThanTheSessionHasIsNoneOfIt) {
+  for (const int rack : {10, 11, 10'000}) {
+    FollowedLog follow{Quat::Identity(), 10};
+    TrialEvents writer(TrialHeader{}, {}, [&](const devices::LogEvent& event) {
+      std::vector<std::uint8_t> piece;
+      devices::append(event, piece);
+      follow.add(piece);
+    });
+    Event game;
+    game.kind = kind::game;
+    game.detail = GameKind::plain;
+    game.value = rack;
+    writer.write(game);
+    EXPECT_EQ(follow.state()["sheets"].size(), rack == 10 ? 1u : 0u) << rack;
+    EXPECT_EQ(follow.state()["unusable"], rack == 10 ? 0 : 1) << rack;
+  }
+}
+
 }  // namespace
 }  // namespace headpin::scene
