@@ -147,8 +147,7 @@ void OutputFolder::refuse_foreign(const Options& options) const {
     if ((listed && book) || (ours.contains(name) && fs::is_regular_file(entry.symlink_status()))) {
       continue;
     }
-    throw std::runtime_error(path_ + ": holds " + name +
-                             ", which headpin did not write there; expected a new or empty folder");
+    fail_of_foreign(path_, name);
   }
   if (!ours.empty() && !options.overwrite) {
     throw Exists(path_ + ": exists already");

@@ -92,6 +92,13 @@ bool is_part_of(const std::string& name, const std::set<std::string>& names) {
          stem.find_first_not_of("0123456789-", dot + 1) == std::string::npos;
 }
 
+/// Whether an entry of an open folder is neither in `names` nor one of headpin's own lists.
+bool is_foreign(int folder, const std::string& name, const std::set<std::string>& names) {
+  if (name == kList || std::ranges::count(kBooks, name) > 0) return false;
+  const bool file = names.contains(name) || is_part_of(name, names);
+  return !(file && is_regular(folder, name)) && !names.contains(name + "/");
+}
+
 /// Removes the listed files of an open folder, and last the list.
 void remove_listed(int folder) {
   std::set<std::string> names;
@@ -137,12 +144,33 @@ bool read_list(int folder, std::set<std::string>& names) {
 
 std::string find_foreign(int folder, const std::set<std::string>& names) {
   for (const std::string& name : entries(folder)) {
-    const bool book = name == kList || std::ranges::count(kBooks, name) > 0;
-    const bool file = names.contains(name) || is_part_of(name, names);
-    if (book || (file && is_regular(folder, name)) || names.contains(name + "/")) continue;
-    return name;
+    if (is_foreign(folder, name, names)) return name;
   }
   return "";
+}
+
+void fail_of_foreign(const std::string& folder, const std::string& name) {
+  throw std::runtime_error(folder + ": holds " + name +
+                           ", which headpin did not write there; expected a new or empty folder");
+}
+
+void require_no_foreign(const fs::path& folder, const std::set<std::string>& names) {
+  const int opened = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (opened < 0) {
+    if (errno == ENOENT || errno == ENOTDIR) return;  // who makes the folder says what is wrong
+    throw std::runtime_error(folder.string() + ": cannot be read: " + std::strerror(errno));
+  }
+  std::set<std::string> foreign;  // so that the first by its name is told
+  try {
+    for (const std::string& name : entries(opened)) {
+      if (!name.starts_with('.') && is_foreign(opened, name, names)) foreign.insert(name);
+    }
+  } catch (...) {
+    close(opened);
+    throw;
+  }
+  close(opened);
+  if (!foreign.empty()) fail_of_foreign(folder.string(), *foreign.begin());
 }
 
 int open_folder(int parent, const std::string& name) {

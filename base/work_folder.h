@@ -25,6 +25,16 @@ bool read_list(int folder, std::set<std::string>& names);
 /// empty if there is none.
 std::string find_foreign(int folder, const std::set<std::string>& names);
 
+/// @throws std::runtime_error  that a folder for results holds this name of others
+[[noreturn]] void fail_of_foreign(const std::string& folder, const std::string& name);
+
+/// Refuses to begin in a folder that holds something of others. Hidden files, such as `.git`, may be
+/// there. A folder that does not exist is as good as an empty one.
+///
+/// @param names  what belongs there: a file, or a folder with `/` at its end
+/// @throws std::runtime_error  as fail_of_foreign, and if the folder cannot be read
+void require_no_foreign(const std::filesystem::path& folder, const std::set<std::string>& names);
+
 /// Opens a folder and follows no link.
 /// @param parent  an open folder, or AT_FDCWD
 /// @return        -1 and errno when it cannot be

@@ -14,6 +14,7 @@
 #include "base/left_parts.h"
 #include "base/output_file.h"
 #include "base/sha256.h"
+#include "base/work_folder.h"
 #include "scene/scenario/nearest.h"
 #include "scene/stage/read_scenario.h"
 #include "study/csv.h"
@@ -185,6 +186,7 @@ std::int64_t plan(const fs::path& file, const SweepFolder& at, const std::functi
     throw std::runtime_error(at.root.string() +
                              ": a sweep is there already; expected a new folder");
   }
+  base::require_no_foreign(at.root, {"sweep.toml", "rows.csv", "trials/", "pieces/"});
   const std::string text = base::read_text(file.string(), 16'000'000);
   const Design design = parse_design(text, file.string());
   require_different_names(design, file.string());

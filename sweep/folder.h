@@ -40,7 +40,7 @@ struct Sweep {
 /// @param check   called from time to time; may throw
 /// @return  number of rows
 /// @throws std::invalid_argument  naming file, line and key of an unknown key or an impossible value
-/// @throws std::runtime_error     if the folder has something else already
+/// @throws std::runtime_error     if the folder holds a sweep or something of others already
 std::int64_t plan(const std::filesystem::path& design, const SweepFolder& at,
                   const std::function<void()>& check);
 

@@ -12,6 +12,7 @@
 #include "apps/study_folder.h"
 #include "base/left_parts.h"
 #include "base/output_file.h"
+#include "base/work_folder.h"
 #include "scene/scenario/files.h"
 #include "scene/scenario/scenario.h"
 #include "scene/scenario/toml_text.h"
@@ -93,6 +94,10 @@ void begin_study(const StudyFolder& at, const PlanOptions& options) {
   } else if (options.seed && options.seed != design.seed) {
     throw UsageError(fmt::format("--seed: {} has the seed {}", source.string(), *design.seed));
   }
+  // A killed plan leaves the first of these, and a study that lost its design has all of them.
+  base::require_no_foreign(
+      at.root, {"design.toml", "questionnaire.toml", "scenario.toml", "plan.csv", "sessions/",
+                "answers/", "tables/", "analysis/", "model.R"});
   fs::create_directories(at.root);
   base::remove_left_parts(at.root.string());
   write_once(at.questionnaire(), questions);

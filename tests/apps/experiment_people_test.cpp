@@ -429,5 +429,24 @@ TEST_F(StudyPeople, TablesOfNobodyAreNoPeoples) {
               testing::StartsWith("0 of 1 participants count\n"));
 }
 
+// Such as the folder `study` of a program's sources.
+TEST_F(StudyPeople, AreNotPlannedInAFolderOfOthers) {
+  fs::create_directories(folder_ / "sources/tables");
+  spit(folder_ / "sources/main.cpp", "int main() {}\n");
+  expect_refusal(
+      "experiment plan -o sources", 1,
+      "sources: holds main.cpp, which headpin did not write there; expected a new or empty folder\n");
+  EXPECT_FALSE(fs::exists(folder_ / "sources/questionnaire.toml"));
+  // What a killed plan leaves is no reason, and neither are hidden files.
+  fs::create_directories(folder_ / "study/.git");
+  fs::copy_file(HEADPIN_SOURCE_DIR "/assets/questionnaires/uno-slater-1997.toml",
+                folder_ / "study/questionnaire.toml");
+  spit(folder_ / "study/design.toml.99999999-0.part", "seed");
+  ASSERT_EQ(headpin("experiment plan -o study").code, 0);
+  // A study may hold anything when more participants are planned.
+  spit(folder_ / "study/notes.txt", "p003 comes on Monday\n");
+  EXPECT_EQ(headpin("experiment plan -o study --people 20").code, 0);
+}
+
 }  // namespace
 }  // namespace headpin

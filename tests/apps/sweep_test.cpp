@@ -341,5 +341,23 @@ TEST_F(SweepCommands, IterationsAreRefusedWhereNoRowHasTheDetectionThatCountsThe
   plan("some");
 }
 
+// Such as the folder `sweep` of a program's sources.
+TEST_F(SweepCommands, AFolderOfOthersIsNotPlannedIn) {
+  fs::create_directories(folder_ / "sources/trials");
+  spit(folder_ / "sources/main.cpp", "int main() {}\n");
+  expect_refusal(
+      "sweep plan sweep.toml -o sources", 1,
+      "sources: holds main.cpp, which headpin did not write there; expected a new or empty folder\n");
+  EXPECT_FALSE(fs::exists(folder_ / "sources/sweep.toml"));
+  EXPECT_TRUE(fs::is_empty(folder_ / "sources/trials"));
+  // What a killed plan leaves is no reason, and neither are hidden files.
+  fs::create_directories(folder_ / "begun/trials");
+  fs::create_directory(folder_ / "begun/.git");
+  fs::copy_file(folder_ / "sweep.toml", folder_ / "begun/sweep.toml");
+  fs::copy_file(folder_ / "throw.lcmlog", folder_ / "begun/trials/throw.lcmlog");
+  spit(folder_ / "begun/rows.csv.99999999-0.part", "key,");
+  plan("begun");
+}
+
 }  // namespace
 }  // namespace headpin
