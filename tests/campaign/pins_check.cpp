@@ -116,7 +116,7 @@ Map map_of(const Condition& condition, int throws) {
 }
 
 void print_strikes(const Map& map) {
-  std::printf("| strikes of 100 | board 15 |");
+  std::printf("| strikes, %% | board 15 |");
   for (int b = 1; b < kBoardsOfMap; ++b) std::printf(" %g |", kLowBoard + 0.5 * b);
   std::printf("\n|---|");
   for (int b = 0; b < kBoardsOfMap; ++b) std::printf("---|");
@@ -137,7 +137,9 @@ std::string leaves_in_words(const Cell& cell, std::size_t most) {
   std::sort(sorted.begin(), sorted.end());
   std::vector<std::string> words;
   for (std::size_t i = 0; i < std::min(most, sorted.size()); ++i) {
-    words.push_back(fmt::format("{} ({:.0f} %)", sorted[i].second, cell.share(-sorted[i].first)));
+    const double share = cell.share(-sorted[i].first);
+    words.push_back(share < 1.0 ? fmt::format("{} (< 1 %)", sorted[i].second)
+                                : fmt::format("{} ({:.0f} %)", sorted[i].second, share));
   }
   return words.empty() ? "-" : fmt::format("{}", fmt::join(words, ", "));
 }
