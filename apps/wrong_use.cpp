@@ -57,15 +57,21 @@ std::string without_command(const CLI::App& app) {
                      meant.empty() ? "; expected a command: " + all : meant);
 }
 
-/// What is wrong with words that are left over: the unknown option, else the first of them.
-std::string left_over(const CLI::App& app) {
-  const std::vector<std::string> rest = app.remaining(true);
-  for (const std::string& word : rest) {
+/// What is wrong with an option among the words that are left over; empty if there is none.
+std::string unknown_option(const CLI::App& app) {
+  for (const std::string& word : app.remaining(true)) {
     const std::string bare = word.substr(0, word.find('='));
     if (!bare.starts_with('-') || bare == "-") continue;
     return fmt::format("unknown option {}{}", bare,
                        nearest_in_words(bare, options_of(innermost(app))));
   }
+  return "";
+}
+
+/// What is wrong with words that are left over: the unknown option, else the first of them.
+std::string left_over(const CLI::App& app) {
+  if (std::string unknown = unknown_option(app); !unknown.empty()) return unknown;
+  const std::vector<std::string> rest = app.remaining(true);
   return fmt::format("'{}' is one argument too many", rest.empty() ? "" : rest.front());
 }
 
@@ -107,6 +113,9 @@ std::string wrong_use(const CLI::ParseError& error, const CLI::App& app) {
   const auto ends = [&](std::string_view words) { return said.ends_with(words); };
   if (said.find("subcommand is required") != std::string::npos) return without_command(app);
   if (dynamic_cast<const CLI::ExtrasError*>(&error)) return left_over(app);
+  if (dynamic_cast<const CLI::RequiredError*>(&error)) {  // often it is there, misspelt
+    if (std::string unknown = unknown_option(app); !unknown.empty()) return unknown;
+  }
   const std::string name = said.substr(0, said.find(": "));
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) {
     if (ends(" missing")) return name + ": expected a value, found none";

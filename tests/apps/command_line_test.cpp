@@ -395,5 +395,12 @@ TEST_F(CommandLine, AFrameDrawnAloneEqualsTheOneInSequence) {
   EXPECT_EQ(slurp(folder_ / "many/right_000155.png"), slurp(folder_ / "one/right_000155.png"));
 }
 
+TEST_F(CommandLine, AnUnknownOptionIsToldAlsoWhereSomethingIsMissing) {
+  expect_refusal("replay --nosuch", 2, "unknown option --nosuch");
+  expect_refusal("replay --nosuch --json", 2, "unknown option --nosuch");
+  expect_refusal("plot " + kDemo + " --ouput=OUT.svg", 2,
+                 "unknown option --ouput; the nearest is --output");
+}
+
 }  // namespace
 }  // namespace headpin
