@@ -146,6 +146,7 @@ std::vector<Line> lines_between(std::vector<double>& cuts, double size) {
   std::sort(cuts.begin(), cuts.end());
   const auto same = [&](double a, double b) { return b - a < 1e-9 * size; };
   cuts.erase(std::unique(cuts.begin(), cuts.end(), same), cuts.end());
+  if (cuts.size() < 2) return {};
   const int least =
       std::clamp(static_cast<int>(kCells / static_cast<double>(cuts.size())), 1, kFinest);
   std::vector<Line> lines;

@@ -132,16 +132,21 @@ void Participant::act(const Session& session, double now) {
   }
 }
 
-/// Goes to the button of the version that is to be played: that of another one was touched by
-/// accident, as by a hand that moves out of the way of a skittle.
-void Participant::go_back(const Session& session, double now) {
+/// Goes to the button of the version that is to be played, as that of another one was touched by
+/// accident: by a hand that moves out of the way of a skittle. Where its own was touched, it has
+/// begun again, and the participant throws all its balls again.
+void Participant::go_back(const Session& session, double now, bool began_again) {
+  if (began_again) {
+    throws_ = 0;
+    game_over_ = false;
+  }
   if (trigger_) body_.trigger(session.now() + Time{1}, trigger_ = false);
   body_.figure.to(at_rest(now), now, 0.8 * plan_.person.pace);
   thrown_.reset();
   ball_.reset();
   if (game_over_ || throws_ >= plan_.throws) return end_version(now);
   if (++astray_ > kMostAstray) return give_up(now);
-  begin(Doing::walks_to_button, now);
+  begin(began_again ? Doing::walks_to_ball : Doing::walks_to_button, now);
 }
 
 void Participant::end_version(double now) {
@@ -164,8 +169,10 @@ void Participant::notice(const Session& session, double now) {
     if (event.kind == kind::skittle_down && thrown_) thrown_->felled = true;
     game_over_ |= event.kind == kind::game_over;
     const bool plays = doing_ != Doing::leaves && doing_ != Doing::nothing;
-    if (event.kind == kind::version && event.detail != Detail(next_colour()) && plays) {
-      go_back(session, now);
+    const bool own = event.detail == Detail(next_colour());
+    const bool meant = doing_ == Doing::touches || doing_ == Doing::walks_to_button;
+    if (event.kind == kind::version && plays && !(own && meant)) {
+      go_back(session, now, own);
       continue;
     }
     const bool done = (doing_ == Doing::touches && event.kind == kind::version) ||
@@ -214,6 +221,7 @@ void Participant::touch(const Session& session, double now) {
     if (now < acted_ + plan_.person.reaction_s) return;
     body_.figure.to(at_rest(now), now, 0.8 * pace);
     throws_ = 0;
+    game_over_ = false;
     return begin(Doing::walks_to_ball, now);
   }
   constexpr double kLook = 0.5, kLong = 3.0;

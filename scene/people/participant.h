@@ -74,7 +74,7 @@ class Participant : public devices::Source, public Observer {
   void begin(Doing next, double now);
   void give_up(double now);
   void notice(const Session& session, double now);
-  void go_back(const Session& session, double now);
+  void go_back(const Session& session, double now, bool began_again);
   void end_version(double now);
   void act(const Session& session, double now);
   void turn_gaze(const Session& session, double now);

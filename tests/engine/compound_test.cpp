@@ -313,7 +313,7 @@ TEST(MassProperties, OfThinRoundPartsAreGood) {
   }
 }
 
-// What trials under rules 1 to 12 weigh: the numbers of that time, which were wrong.
+// What trials under rules 1 to 13 weigh: the numbers of that time, which were wrong.
 TEST(MassProperties, ByEvenRodsAreThoseOfOlderTrials) {
   const MassProperties thin = mass_properties(plus(2.0, 0.011), 1.0, Overlaps::maybe, Rods::even);
   EXPECT_DOUBLE_EQ(thin.mass, 0.0005847111111111036);

@@ -241,6 +241,14 @@ TEST(ParticipantTest, DrawsBackFromWhatFliesAtItUnlessNothingDisturbsIt) {
   EXPECT_LE(evaded_still, 0.2 * came_still);
 }
 
+// Its own version begins again with a new rack, so that all its balls are thrown again.
+TEST(ParticipantTest, WhoBrushesTheButtonOfItsVersionThrowsAllItsBallsAgain) {
+  bool gave_up = false;
+  EXPECT_THAT(versions_brushed(1, 2, gave_up, Colour::red),
+              testing::ElementsAre("red 1", "red 2", "blue 2"));
+  EXPECT_FALSE(gave_up);
+}
+
 TEST(ParticipantTest, GivesUpWhereAButtonIsOutOfReach) {
   Scenario scenario = participants_room();
   scenario.version.red.button.z() = 2.7;
@@ -359,12 +367,12 @@ TEST(ParticipantTest, ItPlaysTheSameSheetsThroughAUnit) {
   }
 }
 
-/// A participant whose hand is at the blue button for a moment, a second after a ball was let go.
+/// A participant whose hand is at a button for a moment, a second after a ball was let go.
 class Brushing : public devices::Source, public Observer {
  public:
   /// @param times  after how many of the balls
-  Brushing(Participant& participant, const Scenario& scenario, int times)
-      : participant_(participant), scenario_(scenario), times_(times) {}
+  Brushing(Participant& participant, const Scenario& scenario, int times, const Vec3& button_W)
+      : participant_(participant), scenario_(scenario), times_(times), button_W_(button_W) {}
 
   void poll(Time now, std::vector<devices::Sample>& out) override {
     const std::size_t before = out.size();
@@ -375,7 +383,7 @@ class Brushing : public devices::Source, public Observer {
       if (hand->device_time < *from_ || hand->device_time > *from_ + 150ms) continue;
       const Rig& rig = scenario_.rig;
       Pose X_PH = rig.X_WT * hand->X_TS * rig.X_SH;
-      X_PH.p = scenario_.version.blue.button - p_WP_;
+      X_PH.p = button_W_ - p_WP_;
       hand->X_TS = rig.X_WT.inverse() * X_PH * rig.X_SH.inverse();
     }
   }
@@ -392,16 +400,20 @@ class Brushing : public devices::Source, public Observer {
   Participant& participant_;
   const Scenario& scenario_;
   int times_;
+  Vec3 button_W_;
   std::optional<Time> from_;
   Vec3 p_WP_ = Vec3::Zero();
 };
 
 /// The versions in order, with the balls of each: "red 1".
-std::vector<std::string> versions_brushed(int times, int throws, bool& gave_up) {
+std::vector<std::string> versions_brushed(int times, int throws, bool& gave_up,
+                                          Colour brushed = Colour::blue) {
   const Scenario scenario = participants_room();
+  const Versions& versions = scenario.version;
+  const Vec3 button = brushed == Colour::blue ? versions.blue.button : versions.red.button;
   Session session = make_session(scenario);
   Participant participant({steady_person(), throws}, scenario);
-  Brushing brushing(participant, scenario, times);
+  Brushing brushing(participant, scenario, times, button);
   SessionSeen seen;
   NoPace pace;
   Observer* const observers[] = {&participant, &brushing, &seen};
@@ -409,13 +421,13 @@ std::vector<std::string> versions_brushed(int times, int throws, bool& gave_up) 
       [&](const Session& s) { return participant.finished() || s.now() > 600s; });
   EXPECT_TRUE(participant.finished());
   gave_up = participant.gave_up();
-  std::vector<std::pair<std::string, int>> versions;
+  std::vector<std::pair<std::string, int>> begun;
   for (const Event& event : seen.events) {
-    if (event.kind == kind::version) versions.emplace_back(event.detail.text(), 0);
-    if (event.kind == kind::release && !versions.empty()) ++versions.back().second;
+    if (event.kind == kind::version) begun.emplace_back(event.detail.text(), 0);
+    if (event.kind == kind::release && !begun.empty()) ++begun.back().second;
   }
   std::vector<std::string> words;
-  for (const auto& [colour, balls] : versions) words.push_back(fmt::format("{} {}", colour, balls));
+  for (const auto& [colour, balls] : begun) words.push_back(fmt::format("{} {}", colour, balls));
   return words;
 }
 
@@ -435,7 +447,9 @@ TEST(ParticipantTest, WhoBrushesTheOtherButtonAfterTheLastBallGoesOnToThatVersio
 
 TEST(ParticipantTest, GivesUpWhereTheOtherVersionBeginsTooOften) {
   bool gave_up = false;
-  versions_brushed(100, 2, gave_up);
+  EXPECT_THAT(versions_brushed(100, 2, gave_up),
+              testing::ElementsAre("red 1", "blue 0", "red 1", "blue 0", "red 1", "blue 0", "red 1",
+                                   "blue 0", "red 1", "blue 0"));
   EXPECT_TRUE(gave_up);
 }
 
