@@ -17,6 +17,7 @@
 #include "devices/fastrak/driver.h"
 #include "devices/fastrak/motion.h"
 #include "devices/lines/lasting_line.h"
+#include "devices/lines/tcp.h"
 #include "devices/recordings/recorded_motion.h"
 #include "scene/record/log.h"
 #include "tests/support/folder.h"
