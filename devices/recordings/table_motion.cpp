@@ -15,6 +15,7 @@
 #include "devices/recordings/any_table.h"
 #include "devices/recordings/catalogue_csv.h"
 #include "devices/recordings/table_columns.h"
+#include "devices/recordings/table_order.h"
 #include "devices/recordings/table_rotation.h"
 #include "devices/recordings/table_time.h"
 #include "devices/recordings/table_trigger.h"

@@ -4,9 +4,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <functional>
-#include <limits>
-#include <map>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -340,63 +337,6 @@ std::optional<std::size_t> most_advancing(const AnyTable& table,
   return columns[static_cast<std::size_t>(first - advances.begin())];
 }
 
-/// How far rows have come before row `i`: the third largest time of the last twenty since `begin`, so that two
-/// stray ones do not count.
-double front(std::span<const double> times_s, std::size_t begin, std::size_t i) {
-  constexpr std::size_t kRows = 20;
-  const std::size_t from = std::max(begin, i - std::min(i, kRows));
-  std::array<double, 3> largest{};
-  largest.fill(-std::numeric_limits<double>::infinity());
-  std::ranges::partial_sort_copy(times_s.subspan(from, i - from), largest, std::ranges::greater{});
-  return largest.back();
-}
-
-/// The steps in time from a row to the one below it, where no row is missing.
-class OrdinarySteps {
- public:
-  explicit OrdinarySteps(std::span<const double> times_s) : times_s_(times_s) {}
-
-  /// Takes the steps between the rows above a row.
-  void take_rows(std::size_t row) {
-    for (; next_ < row; ++next_) {
-      const double from = times_s_[next_ - 1], to = times_s_[next_];
-      if (to < from || to - from > kMost * usual_step(next_)) continue;
-      double& end = ends_.try_emplace(from, to).first->second;
-      end = std::max(end, to);
-    }
-  }
-
-  /// Whether a time falls into one of them.
-  bool hold(double time_s) const {
-    for (auto step = ends_.upper_bound(time_s); step != ends_.begin();) {
-      --step;
-      if (step->first < time_s - kMost * kLongest_s) return false;
-      if (step->second >= time_s) return true;
-    }
-    return false;
-  }
-
- private:
-  /// The lower quartile of the last twenty steps, as many others may lack a row; 0 where rows are in disorder.
-  double usual_step(std::size_t row) const {
-    std::vector<double> steps;
-    for (std::size_t i = row - std::min<std::size_t>(row - 1, 19); i <= row; ++i) {
-      const double step = std::abs(times_s_[i] - times_s_[i - 1]);
-      if (step > 0.0) steps.push_back(step);
-    }
-    if (steps.empty()) return 0.0;
-    const auto quarter = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 4);
-    std::ranges::nth_element(steps, quarter);
-    return *quarter > kLongest_s ? 0.0 : *quarter;
-  }
-
-  static constexpr double kLongest_s = 0.1;  // as long as any gap may be
-  static constexpr double kMost = 1.5;       // of the usual step
-  std::span<const double> times_s_;
-  std::size_t next_ = 1;
-  std::map<double, double> ends_;  // by their beginnings
-};
-
 }  // namespace
 
 std::string unit_of(const FoundColumn& column) {
@@ -437,33 +377,6 @@ std::vector<std::size_t> other_times(const AnyTable& table, std::size_t column) 
 TableTimes read_times(const AnyTable& table, std::size_t column, std::optional<double> told_unit_s,
                       std::string_view where, std::vector<std::string>& notes) {
   return TimeReader(table, column, told_unit_s, where, notes).read();
-}
-
-bool is_stray(std::span<const double> times_s, std::size_t row) {
-  constexpr double kFar_s = 0.5, kLongest_s = 0.2;
-  if (row < 2 || row + 2 >= times_s.size()) return false;
-  const double above = times_s[row - 1], below = times_s[row + 1];
-  const double off = std::min(std::abs(times_s[row] - above), std::abs(times_s[row] - below));
-  const double step = std::max(above - times_s[row - 2], times_s[row + 2] - below);
-  const double hole = below - above;
-  return off > kFar_s && step > 0.0 && hole > 1.5 * step && hole < kLongest_s;
-}
-
-std::optional<std::size_t> starts_again(std::span<const double> times_s) {
-  constexpr double kStepBack_s = 0.5;
-  constexpr int kSeveral = 5;
-  OrdinarySteps above(times_s);
-  std::size_t begin = 0;  // of the rows that go on since the last step back
-  int among = 0;
-  for (std::size_t i = 1; i < times_s.size(); ++i) {
-    if (times_s[i] < front(times_s, begin, i) - kStepBack_s) {
-      begin = i;
-      among = 0;
-      above.take_rows(begin);
-    }
-    if (begin > 0 && above.hold(times_s[i]) && ++among == kSeveral) return begin;
-  }
-  return std::nullopt;
 }
 
 }  // namespace headpin::devices

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -39,16 +38,5 @@ std::vector<std::size_t> other_times(const AnyTable& table, std::size_t column);
 /// @throws std::invalid_argument  when no unit fits, or no cell is a time
 TableTimes read_times(const AnyTable& table, std::size_t column, std::optional<double> told_unit_s,
                       std::string_view where, std::vector<std::string>& notes);
-
-/// Whether a row has a wrong time: it is more than half a second from those above and below it, between which one
-/// row is missing. A row that is late is missing elsewhere.
-bool is_stray(std::span<const double> times_s, std::size_t row);
-
-/// The first row, in the order of the file, of a second recording: it is more than half a second before those
-/// above it, and five or more rows from it on lie where rows above already follow each other without a gap.
-///
-/// Rows in another order are none: sorted by text, blocks that changed places, rows that are late or have a
-/// wrong time.
-std::optional<std::size_t> starts_again(std::span<const double> times_s);
 
 }  // namespace headpin::devices
