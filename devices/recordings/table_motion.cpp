@@ -239,8 +239,8 @@ class TableMotion {
       others += (others.empty() ? "" : ", ") + table_.columns[other].name;
     if (!others.empty()) others = fmt::format("; other columns of a time: {}", others);
     throw std::invalid_argument(fmt::format(
-        "{}:{}: the time starts again, at {:.3f} s after {:.3f} s: expected one recording in a "
-        "file, or its rows in order of time{}",
+        "{}:{}: the time starts again, at {:.3f} s after {:.3f} s (two recordings in one file, or "
+        "a clock that was set back): expected one recording, or its rows in order of time{}",
         where_, restart->line, seconds(restart->time), seconds(restart->before), others));
   }
 
@@ -256,11 +256,17 @@ class TableMotion {
 
   /// Rows in order of time.
   void order_rows() {
-    std::size_t unordered = 0;
-    for (std::size_t i = 1; i < rows_.size(); ++i)
-      unordered += rows_[i].first < rows_[i - 1].first ? 1 : 0;
+    std::size_t unordered = 0, furthest = 0;
+    Time by{};
+    for (std::size_t i = 1; i < rows_.size(); ++i) {
+      const Time back = rows_[i - 1].first - rows_[i].first;
+      if (back > Time{}) ++unordered;
+      if (back > by) by = back, furthest = rows_[i].second->line;
+    }
     std::ranges::stable_sort(rows_, {}, [](const auto& row) { return row.first; });
-    note(unordered, "rows are earlier than the row before: put in order");
+    note(unordered, fmt::format("rows are earlier than the row before (the furthest by {:.3g} s, "
+                                "at line {}): put in order",
+                                seconds(by), furthest));
     // A catalogue's file that begins later was cut out of a longer one.
     constexpr Time kAtStart{1'000'000};
     tracks_.since_start = is_catalogue(table_) && !rows_.empty() && rows_.front().first < kAtStart;

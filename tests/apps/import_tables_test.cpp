@@ -391,7 +391,9 @@ TEST_F(ImportTables, RowsThatAreLateRepeatedOrBlankAreReadWithANote) {
   spit(folder_ / "t.csv", text);
   const Result result = headpin("import t.csv -o t.lcmlog");
   EXPECT_EQ(result.code, 0);
-  EXPECT_THAT(result.err, HasSubstr("t.csv: 1 rows are earlier than the row before: put in order"));
+  EXPECT_THAT(result.err,
+              HasSubstr("t.csv: 1 rows are earlier than the row before (the furthest by 0.0"));
+  EXPECT_THAT(result.err, HasSubstr("s, at line 52): put in order"));
   EXPECT_THAT(result.err, HasSubstr("1 samples of the head have the time of another one: ignored"));
   EXPECT_THAT(result.err, HasSubstr("1 samples of the head have blank cells"));
 }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -128,8 +129,8 @@ TEST(TableTime, ThatStartsAgainIsASecondRecording) {
   };
   EXPECT_EQ(
       refused(once_more(0.002)),
-      "t.csv:42: the time starts again, at 0.002 s after 0.780 s: expected one recording in a "
-      "file, or its rows in order of time");
+      "t.csv:42: the time starts again, at 0.002 s after 0.780 s (two recordings in one file, or "
+      "a clock that was set back): expected one recording, or its rows in order of time");
   EXPECT_EQ(refused(once_more(0.8)), "");
 
   // The rows of one object may stand below those of another, but not twice.
@@ -154,7 +155,9 @@ TEST(TableTime, ThatStartsAgainIsASecondRecording) {
                               }),
                          "t.csv", {});
   EXPECT_EQ(track_of(late, "head").size(), 40u);
-  EXPECT_THAT(late.notes, Contains("1 rows are earlier than the row before: put in order"));
+  EXPECT_THAT(late.notes,
+              Contains("1 rows are earlier than the row before (the furthest by 0.675 s, at line "
+                       "20): put in order"));
 }
 
 TEST(TableAngles, OfPartsInTwoUnitsAreNotSaidToBeInOne) {
@@ -395,6 +398,15 @@ TEST(TableTimes, ThatAreDatesHaveNoUnit) {
     EXPECT_EQ(head.back().time - head.front().time, Time{390'000});
     EXPECT_EQ(read.reading.time_unit_s, 1.0);
   }
+}
+
+// A recording that lies wholly before the first one, or a clock that was set back, can be seen in the note.
+TEST(TableTime, OfRowsThatAreEarlierIsSaidByHowMuchAndWhere) {
+  std::vector<double> times = joined(times_from(0.0, 100), times_from(-8.0, 60));
+  std::swap(times[10], times[11]);
+  EXPECT_THAT(parse_motion_table(at_times(times), "t.csv", {}).notes,
+              Contains("2 rows are earlier than the row before (the furthest by 9.98 s, at line "
+                       "102): put in order"));
 }
 
 }  // namespace
