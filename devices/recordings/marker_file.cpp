@@ -44,9 +44,10 @@ struct MarkerLines {
 };
 
 /// The first cell that is a word and no time; empty if there is none.
-std::string_view word_in(const std::vector<std::string_view>& cells, double unit_s) {
+std::string_view word_in(const std::vector<std::string_view>& cells, double unit_s,
+                         std::size_t colon_decimals) {
   const auto word = std::ranges::find_if(cells, [&](std::string_view cell) {
-    return cell != "n/a" && !words_of(cell).empty() && !time_of(cell, unit_s);
+    return cell != "n/a" && !words_of(cell).empty() && !time_of(cell, unit_s, colon_decimals);
   });
   return word == cells.end() ? std::string_view{} : *word;
 }
@@ -60,7 +61,17 @@ std::optional<bool> pressed_in(std::string_view line, const std::vector<std::str
   return std::nullopt;
 }
 
+std::size_t colon_decimals_in(std::string_view text) {
+  std::vector<std::string_view> cells;
+  while (!text.empty()) {
+    for (const std::string_view cell : split_cells(trimmed(take_front(text, '\n'))))
+      cells.push_back(cell);
+  }
+  return colon_decimals(cells);
+}
+
 MarkerLines read_lines(std::string_view text, std::string_view where, double unit_s) {
+  const std::size_t decimals = colon_decimals_in(text);
   MarkerLines read;
   std::optional<std::size_t> column;
   bool first = true;  // of the lines that are neither blank nor remarks: it may be a header
@@ -76,14 +87,14 @@ MarkerLines read_lines(std::string_view text, std::string_view where, double uni
     }
     const std::optional<bool> pressed = pressed_in(line, cells);
     if (!pressed) {
-      const std::string_view word = word_in(cells, unit_s);
+      const std::string_view word = word_in(cells, unit_s, decimals);
       if (!word.empty()) read.others.push_back({word, number});
       continue;
     }
     std::optional<double> time_s;
     std::size_t at = 0;
     for (std::size_t c = 0; c < cells.size() && !time_s; ++c) {
-      if (!column || *column == c) time_s = time_of(cells[at = c], unit_s);
+      if (!column || *column == c) time_s = time_of(cells[at = c], unit_s, decimals);
     }
     if (!time_s || std::abs(*time_s) > 1e11) {
       throw std::invalid_argument(

@@ -57,22 +57,6 @@ std::string_view behind_third_colon(std::string_view text) {
   return text.substr(0, text.find_first_not_of("0123456789"));
 }
 
-/// The decimals of a second that whole numbers behind a third colon count, as many as the longest has: 3
-/// (milliseconds), 6 or 9. 0 for others, which may count frames: they end long before a second is full.
-std::size_t colon_decimals(const std::vector<std::string_view>& times) {
-  std::size_t least = std::string_view::npos, most = 0;
-  for (const std::string_view time : times) {
-    const std::size_t digits = behind_third_colon(time).size();
-    if (digits > 0) least = std::min(least, digits), most = std::max(most, digits);
-  }
-  if (most != 3 && most != 6 && most != 9) return 0;
-  const auto is_late = [&](std::string_view time) {
-    const std::string_view digits = behind_third_colon(time);
-    return digits.size() == most && digits.front() >= '5';
-  };
-  return least == most || std::ranges::any_of(times, is_late) ? most : 0;
-}
-
 /// The fraction of a second behind a point, a comma, or a colon.
 ///
 /// @param colon_decimals  of a whole number behind a colon; 0 where it is none
@@ -345,12 +329,30 @@ std::string unit_of(const FoundColumn& column) {
   return words.size() < 2 ? "" : words.back();
 }
 
+std::size_t colon_decimals(const std::vector<std::string_view>& times) {
+  std::size_t least = std::string_view::npos, most = 0;
+  for (const std::string_view time : times) {
+    const std::size_t digits = behind_third_colon(time).size();
+    if (digits > 0) least = std::min(least, digits), most = std::max(most, digits);
+  }
+  if (most != 3 && most != 6 && most != 9) return 0;
+  const auto is_late = [&](std::string_view time) {
+    const std::string_view digits = behind_third_colon(time);
+    return digits.size() == most && digits.front() >= '5';
+  };
+  return least == most || std::ranges::any_of(times, is_late) ? most : 0;
+}
+
 std::optional<double> time_of(std::string_view cell, double unit_s) {
+  return time_of(cell, unit_s, colon_decimals({cell}));
+}
+
+std::optional<double> time_of(std::string_view cell, double unit_s, std::size_t colon_decimals) {
   AnyTable plain;
   if (const auto number = plain.number(cell)) return unit_s * *number;
   plain.decimal_comma = true;
   if (const auto number = plain.number(cell)) return unit_s * *number;
-  return date_seconds(cell, colon_decimals({cell}));
+  return date_seconds(cell, colon_decimals);
 }
 
 std::optional<std::size_t> find_time(const AnyTable& table) {

@@ -18,8 +18,15 @@ struct TableTimes {
 /// The unit of a column: from brackets, a row of units, or the last word of its name; in small letters.
 std::string unit_of(const FoundColumn& column);
 
+/// The decimals of a second that whole numbers behind a third colon count, as many as the longest has: 3
+/// (milliseconds), 6 or 9. 0 for others, which may count frames: they end long before a second is full.
+std::size_t colon_decimals(const std::vector<std::string_view>& times);
+
 /// One time in seconds: a number of units, or a date of ISO 8601.
+///
+/// @param colon_decimals  of a whole number behind a third colon, where other times say how many it has
 std::optional<double> time_of(std::string_view cell, double unit_s);
+std::optional<double> time_of(std::string_view cell, double unit_s, std::size_t colon_decimals);
 
 /// The column of the time, by its name; of several, the first one that advances as a time does. The time
 /// since the row before does not.

@@ -246,5 +246,18 @@ TEST(TableTime, BehindAThirdColonIsAWholeNumberOfMillisecondsOrMicroseconds) {
             "t.csv:2: time: '12:00:00.001.456' is no time");
 }
 
+// The same text was read in the column of the time.
+TEST(Markers, OfMillisecondsBehindAColonNeedNoZerosBeforeThem) {
+  const auto read = [](const std::string& text) { return parse_markers(text, "m.csv", 1.0); };
+  for (const char* more : {"", "12:00:00:993 end\n"}) {
+    const auto found = read(std::string("12:00:01:7 grab\n12:00:03:962 release\n") + more);
+    EXPECT_EQ(found.at(0).time, Time{43'201'007'000}) << more;
+    EXPECT_EQ(found.at(1).time, Time{43'203'962'000}) << more;
+  }
+  // Of frames.
+  EXPECT_THAT(complaint([&] { read("12:00:01:7 grab\n12:00:03:21 release\n"); }),
+              HasSubstr("m.csv:1: expected a time beside"));
+}
+
 }  // namespace
 }  // namespace headpin::devices
