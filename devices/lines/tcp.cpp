@@ -21,8 +21,9 @@ namespace {
 /// Bytes that a reader may leave before the sender has to wait: as many as a terminal can hold.
 constexpr int kSocketBuffer = 4096;
 
-/// A client that has said that it sends no more stays this long after the last bytes for it.
-constexpr std::chrono::seconds kLastAnswer{1};
+/// A client that has said that it sends no more stays this long after the last bytes for it: longer
+/// than a Fastrak saves (3 s), which answers afterwards.
+constexpr std::chrono::seconds kLastAnswer{4};
 
 [[noreturn]] void fail_tcp(const std::string& what) {
   if (errno == EADDRINUSE) throw base::Busy(what + ": " + std::strerror(errno));

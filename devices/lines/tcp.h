@@ -21,11 +21,11 @@ std::unique_ptr<ByteStream> connect_tcp(
     const std::string& host, int port,
     std::chrono::milliseconds patience = std::chrono::seconds(5));
 
-/// A TCP server; one client at a time: a newcomer is hung up while it is there.
+/// A TCP server; one client at a time: a newcomer is hung up while one is there that may still send.
 ///
-/// Bytes that are written while no client is connected are lost. A client that has shut only its
-/// sending half, as `printf S | nc -N` does, still gets its answers: it is hung up when nothing was
-/// written for a second.
+/// Bytes that are written while no client is connected are lost. A client that has shut its sending
+/// half, as `printf S | nc -N` does, still gets its answers: it is hung up when nothing was written
+/// for 4 s, or when a newcomer takes its place.
 class TcpServer : public ByteStream {
  public:
   /// @param port     0 for any free one
