@@ -7,7 +7,6 @@
 #include <memory>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include <dirent.h>
 #include <fcntl.h>
@@ -99,6 +98,23 @@ bool is_foreign(int folder, const std::string& name, const std::set<std::string>
   return !(file && is_regular(folder, name)) && !names.contains(name + "/");
 }
 
+/// Whether an entry tells of the folder that it is in.
+bool tells_of_its_folder(const std::string& name) {
+  return name.starts_with('.') || name.starts_with("README") || name.starts_with("LICENSE");
+}
+
+/// The entries of a folder that these files are, or lie in.
+std::set<std::string> entries_with(const fs::path& folder, const std::vector<fs::path>& files) {
+  std::set<std::string> names;
+  const fs::path root = fs::canonical(folder);
+  for (const fs::path& file : files) {
+    const fs::path whole =
+        fs::weakly_canonical((fs::current_path() / file).parent_path()) / file.filename();
+    names.insert(whole.lexically_relative(root).begin()->string());  // `..` outside
+  }
+  return names;
+}
+
 /// Removes the listed files of an open folder, and last the list.
 void remove_listed(int folder) {
   std::set<std::string> names;
@@ -154,7 +170,8 @@ void fail_of_foreign(const std::string& folder, const std::string& name) {
                            ", which headpin did not write there; expected a new or empty folder");
 }
 
-void require_no_foreign(const fs::path& folder, const std::set<std::string>& names) {
+void require_no_foreign(const fs::path& folder, const std::set<std::string>& names,
+                        const std::vector<fs::path>& given) {
   const int opened = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (opened < 0) {
     if (errno == ENOENT || errno == ENOTDIR) return;  // who makes the folder says what is wrong
@@ -162,8 +179,10 @@ void require_no_foreign(const fs::path& folder, const std::set<std::string>& nam
   }
   std::set<std::string> foreign;  // so that the first by its name is told
   try {
+    const std::set<std::string> known = entries_with(folder, given);
     for (const std::string& name : entries(opened)) {
-      if (!name.starts_with('.') && is_foreign(opened, name, names)) foreign.insert(name);
+      if (tells_of_its_folder(name) || known.contains(name)) continue;
+      if (is_foreign(opened, name, names)) foreign.insert(name);
     }
   } catch (...) {
     close(opened);

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "base/lock.h"
 
@@ -29,11 +30,13 @@ std::string find_foreign(int folder, const std::set<std::string>& names);
 [[noreturn]] void fail_of_foreign(const std::string& folder, const std::string& name);
 
 /// Refuses to begin in a folder that holds something of others. Hidden files, such as `.git`, may be
-/// there. A folder that does not exist is as good as an empty one.
+/// there, and README and LICENSE files. A folder that does not exist is as good as an empty one.
 ///
 /// @param names  what belongs there: a file, or a folder with `/` at its end
+/// @param given  files to begin from; those that lie there may stay, also in a folder of it
 /// @throws std::runtime_error  as fail_of_foreign, and if the folder cannot be read
-void require_no_foreign(const std::filesystem::path& folder, const std::set<std::string>& names);
+void require_no_foreign(const std::filesystem::path& folder, const std::set<std::string>& names,
+                        const std::vector<std::filesystem::path>& given = {});
 
 /// Opens a folder and follows no link.
 /// @param parent  an open folder, or AT_FDCWD

@@ -186,10 +186,12 @@ std::int64_t plan(const fs::path& file, const SweepFolder& at, const std::functi
     throw std::runtime_error(at.root.string() +
                              ": a sweep is there already; expected a new folder");
   }
-  base::require_no_foreign(at.root, {"sweep.toml", "rows.csv", "trials/", "pieces/"});
   const std::string text = base::read_text(file.string(), 16'000'000);
   const Design design = parse_design(text, file.string());
   require_different_names(design, file.string());
+  std::vector<fs::path> given{file};
+  for (const std::string& trial : design.trials) given.push_back(file.parent_path() / trial);
+  base::require_no_foreign(at.root, {"sweep.toml", "rows.csv", "trials/", "pieces/"}, given);
   std::vector<Trial> trials;
   for (const std::string& trial : design.trials) {
     trials.push_back(read_trial((file.parent_path() / trial).string()));

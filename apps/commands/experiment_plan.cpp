@@ -41,16 +41,14 @@ void write_once(const fs::path& path, const std::string& text) {
   base::write_text({path.string(), {}}, text);
 }
 
-/// The scenario that a design names.
-scene::Scenario scenario_named_in(const study::Design& design, const fs::path& design_file) {
-  std::string path;
+/// The file of the scenario that a design names.
+std::string scenario_named_in(const study::Design& design, const fs::path& design_file) {
   try {
-    path = scene::scenario_path(path_beside(design_file, design.scenario));
+    return scene::scenario_path(path_beside(design_file, design.scenario));
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(fmt::format("{}:{}: scenario: {}", design_file.string(),
                                             design.scenario_line, error.what()));
   }
-  return scene::parse_scenario(scene::read_scenario_file(path), path);
 }
 
 /// Checks that each key of the factors and each level can be set in the scenario.
@@ -87,7 +85,8 @@ void begin_study(const StudyFolder& at, const PlanOptions& options) {
   const std::string questions = read_study_file(asked);
   study::check_items(design, study::parse_questionnaire(questions, asked.string()),
                      source.string());
-  const scene::Scenario scenario = scenario_named_in(design, source);
+  const std::string played = scenario_named_in(design, source);
+  const scene::Scenario scenario = scene::parse_scenario(scene::read_scenario_file(played), played);
   check_levels(design, scenario, source.string());
   if (!design.seed) {
     text = fmt::format("seed = {}  # of the allotment\n", options.seed.value_or(1)) + text;
@@ -95,9 +94,10 @@ void begin_study(const StudyFolder& at, const PlanOptions& options) {
     throw UsageError(fmt::format("--seed: {} has the seed {}", source.string(), *design.seed));
   }
   // A killed plan leaves the first of these, and a study that lost its design has all of them.
-  base::require_no_foreign(
-      at.root, {"design.toml", "questionnaire.toml", "scenario.toml", "plan.csv", "sessions/",
-                "answers/", "tables/", "analysis/", "model.R"});
+  base::require_no_foreign(at.root,
+                           {"design.toml", "questionnaire.toml", "scenario.toml", "plan.csv",
+                            "sessions/", "answers/", "tables/", "analysis/", "model.R"},
+                           {source, asked, played});
   fs::create_directories(at.root);
   base::remove_left_parts(at.root.string());
   write_once(at.questionnaire(), questions);

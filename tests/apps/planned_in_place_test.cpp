@@ -1,0 +1,66 @@
+// Studies and sweeps that are planned in the folder of what they are made from.
+
+#include "tests/apps/command_line.h"
+
+namespace headpin {
+namespace {
+
+class PlannedInPlace : public CommandLine {
+ protected:
+  PlannedInPlace() {
+    fs::create_directories(folder_ / "mine/.git");
+    spit(folder_ / "mine/README.md", "mine\n");
+    spit(folder_ / "mine/LICENSE", "mine\n");
+  }
+
+  /// Copies a bundled file to the folder.
+  void bring(const std::string& asset, const std::string& name) const {
+    fs::create_directories((folder_ / name).parent_path());
+    fs::copy_file(HEADPIN_SOURCE_DIR "/assets/" + asset, folder_ / name);
+  }
+
+  /// Expects a refusal that writes nothing while a file lies there that is not named.
+  void expect_refused_with_others(const std::string& command, const std::string& written) const {
+    spit(folder_ / "mine/main.cpp", "int main() {}\n");
+    expect_refusal(command, 1,
+                   "mine: holds main.cpp, which headpin did not write there; expected a new or "
+                   "empty folder\n");
+    EXPECT_FALSE(fs::exists(folder_ / "mine" / written));
+    fs::remove(folder_ / "mine/main.cpp");
+  }
+};
+
+// The researcher's own design stands in the study's folder, with the questionnaire beside it.
+TEST_F(PlannedInPlace, AStudyWithItsDesignQuestionnaireAndScenario) {
+  std::string text = slurp(HEADPIN_SOURCE_DIR "/assets/designs/uno-slater-1997.toml");
+  const auto rename = [&](const std::string& key, const std::string& file) {
+    const auto at = text.find("\n" + key + " = ") + 1;
+    ASSERT_NE(at, 0u) << key;
+    text.replace(at, text.find('\n', at) - at, key + " = '" + file + "'");
+  };
+  rename("questionnaire", "./asked.toml");
+  rename("scenario", "./played/lane.toml");
+  spit(folder_ / "mine/my-design.toml", text);
+  bring("questionnaires/uno-slater-1997.toml", "mine/asked.toml");
+  bring("scenarios/uno-slater-1997.toml", "mine/played/lane.toml");
+  const std::string command = "experiment plan -o mine --design mine/my-design.toml";
+  expect_refused_with_others(command, "design.toml");
+  const Result planned = headpin(command);
+  EXPECT_EQ(planned.code, 0) << planned.err;
+  EXPECT_TRUE(fs::exists(folder_ / "mine/plan.csv"));
+}
+
+TEST_F(PlannedInPlace, ASweepWithItsTrials) {
+  bring("trials/demo.lcmlog", "mine/one.lcmlog");
+  bring("trials/demo.lcmlog", "mine/recorded/two.lcmlog");
+  spit(folder_ / "mine/my-sweep.toml",
+       "trials = ['one.lcmlog', 'recorded/two.lcmlog']\n[grid]\nelasticity = [0.5, 0.7]\n");
+  const std::string command = "sweep plan mine/my-sweep.toml -o mine";
+  expect_refused_with_others(command, "sweep.toml");
+  const Result planned = headpin(command);
+  EXPECT_EQ(planned.code, 0) << planned.err;
+  EXPECT_TRUE(fs::exists(folder_ / "mine/rows.csv"));
+}
+
+}  // namespace
+}  // namespace headpin
