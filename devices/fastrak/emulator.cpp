@@ -291,16 +291,18 @@ void FastrakEmulator::offer(std::size_t station, Time now) {
       (outcome(station).p - *last_output_[station]).norm() < increment) {
     return;
   }
+  FastrakMessage message;
+  message.due = now;
+  message.stream = true;
   Random random(options_.seed, kFaults, outputs_);
   if (random.uniform() < options_.faults.dropout) {
     ++outputs_;
     ++statistics_.lost;
-    return;
+    message.lost = true;
+    message.bytes.resize(fastrak_record_length(format_of(station)));
+  } else {
+    add_record(station, message);
   }
-  FastrakMessage message;
-  message.due = now;
-  message.stream = true;
-  add_record(station, message);
   queue(std::move(message));
 }
 

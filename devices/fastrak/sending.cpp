@@ -55,7 +55,7 @@ void FastrakSending::pump(Time now, const Line& line) {
     }
     if (start_ns + byte_ns > now_ns) return;
     const std::uint8_t byte = message.bytes[message.sent++];
-    outbox_.push_back(port.bits == 7 ? byte & 0x7F : byte);
+    if (!message.lost) outbox_.push_back(port.bits == 7 ? byte & 0x7F : byte);
     line_free_ns_ = start_ns + byte_ns;
     if (message.sent < message.bytes.size()) continue;
     line.on_end(message);

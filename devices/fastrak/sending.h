@@ -25,6 +25,7 @@ struct FastrakMessage {
   Time due{};                        ///< not before
   std::size_t sent = 0;              ///< bytes that have left
   bool stream = false;               ///< a record of the continuous output
+  bool lost = false;                 ///< takes its time on the line, and nobody gets its bytes
   std::vector<FastrakSent> records;  ///< the data records in it
   std::size_t garbage = 0;           ///< bytes in it that belong to no record
 };

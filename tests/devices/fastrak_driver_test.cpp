@@ -370,5 +370,24 @@ TEST(FastrakClockTest, NumbersTheRecordsThatASlowLineCarries) {
   }
 }
 
+// A lost record took no time on the line, so that the next one came a cycle later and none was missed.
+TEST(FastrakDriverTest, WhatIsLostOnASlowLineIsMissed) {
+  for (const int baud : {9600, 19200, 38400}) {
+    for (const int receivers : {1, 2, 4}) {
+      SCOPED_TRACE(std::to_string(baud) + " baud, " + std::to_string(receivers) + " receivers");
+      FastrakEmulatorOptions emulated = unit("noise=0,dropout=0.1", receivers);
+      emulated.baud = baud;
+      FastrakOptions options;
+      options.baud = baud;
+      Bench bench(emulated, options);
+      ASSERT_TRUE(bench.run_until_streaming());
+      bench.run(60s);
+      EXPECT_GT(bench.emulator.statistics().lost, 80);
+      EXPECT_NEAR(static_cast<double>(bench.driver.statistics().missed),
+                  static_cast<double>(bench.emulator.statistics().lost), 5.0);  // at both ends
+    }
+  }
+}
+
 }  // namespace
 }  // namespace headpin::devices
