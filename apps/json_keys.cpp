@@ -453,7 +453,9 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"video", "video that was written; null without one"},
     {"virtual", "true if no person played the session"},
     {"waited_s", "stage of the latency: until the tick at which a frame is due"},
-    {"why", "reason why a throw has no counterpart"},
+    {"why",
+     "reason why a throw has no counterpart; of a row of `conformance`: why it was skipped, null if "
+     "it was not"},
     {"why_not", "reason why a participant does not count"},
     {"why_nothing_fell", "reason why no skittle fell; only in trials in which none did"},
     {"widest_miss_room", "the widest miss room of all directions"},

@@ -103,13 +103,19 @@ struct Row {
     const auto found = std::ranges::find(demands, false, &devices::FastrakDemand::met);
     return found == demands.end() ? nullptr : &*found;
   }
+  /// Whether it shows less than it should, because receivers moved.
+  bool told_too_little() const {
+    return std::ranges::any_of(demands, &devices::FastrakDemand::receivers_move);
+  }
 };
 
 nlohmann::ordered_json as_json(const Row& row) {
   nlohmann::ordered_json json = {{"client", row.client},
                                  {"skipped", !row.skipped.empty()},
+                                 {"why", nullptr},
                                  {"demands", row.demands.size()},
                                  {"tries", row.tries}};
+  if (!row.skipped.empty()) json["why"] = row.skipped;
   json["unmet"] = nlohmann::json::array();
   for (const devices::FastrakDemand& demand : row.demands) {
     if (demand.met) continue;
@@ -133,10 +139,12 @@ void print_row(const Row& row) {
   std::fflush(stdout);
 }
 
-/// Repeats a failed attempt once, because a machine or a line may have been delayed.
+/// Repeats an attempt once that failed, because a machine or a line may have been delayed, or that
+/// told too little.
 template <typename Try>
 void examine(Row& row, PortLine& line, Try attempt) {
-  for (row.tries = 0; row.tries == 0 || (row.tries < 2 && row.unmet()); ++row.tries) {
+  const auto again = [&row] { return row.unmet() || row.told_too_little(); };
+  for (row.tries = 0; row.tries == 0 || (row.tries < 2 && again()); ++row.tries) {
     reset(line);
     row.demands.clear();
     attempt(row.demands);
@@ -154,8 +162,7 @@ std::vector<Row> examine_all(PortLine& line, const ConformanceOptions& options, 
   rows[0].client = kReadings;
   examine(rows[0], line,
           [&](auto& demands) { stations = devices::examine_readings(line, demands); });
-  const bool move = std::ranges::any_of(rows[0].demands, &devices::FastrakDemand::receivers_move);
-  if (move && !rows[0].unmet()) {
+  if (rows[0].told_too_little() && !rows[0].unmet()) {
     rows[0].skipped = "the receivers move: hold them still for the readings";
   }
   const bool answers = std::ranges::any_of(
@@ -211,6 +218,11 @@ void examine_unit(const ConformanceOptions& options) {
   if (std::ranges::any_of(rows, [](const Row& row) { return row.unmet() != nullptr; })) {
     throw FailedWith(options.line + ": at least one client does not work with this unit", results);
   }
+  // No client compares one form with another, so that none stands for the readings.
+  if (!rows[0].skipped.empty()) {
+    throw FailedWith(
+        options.line + ": too little is known of the readings: hold the receivers still", results);
+  }
   if (options.json) print_json(results);
 }
 
@@ -230,13 +242,15 @@ void add_conformance(CLI::App& app) {
       ->check(number_from(0.5, 3600.0))
       ->capture_default_str();
   add_json(*command, options->json);
-  command->footer(fmt::format("Clients: {}", fmt::join(client_names(), ", ")) +
-                  ".\nFirst, the command reads the pose in inches and centimetres, in ASCII and "
-                  "binary, as angles,\nquaternion and direction cosines; all must agree. Hold the "
-                  "receivers still for that, above all on a\nslow line. A check that fails is "
-                  "repeated once. All checks take about two minutes. The unit is left\nrunning in "
-                  "its factory settings; nothing is saved in it.\n\nExample:\n  "
-                  "headpin conformance /dev/ttyUSB0");
+  command->footer(
+      fmt::format("Clients: {}", fmt::join(client_names(), ", ")) +
+      ".\nFirst, the command reads the pose in inches and centimetres, in ASCII and "
+      "binary, as angles,\nquaternion and direction cosines; all must agree. Hold the "
+      "receivers still for that, above all on a\nslow line. A check that fails, or tells "
+      "too little because they move, is repeated once. All checks\ntake about two "
+      "minutes. The unit is left running in its factory settings; nothing is saved in "
+      "it.\n\nExample:\n  "
+      "headpin conformance /dev/ttyUSB0");
   command->callback([options] { examine_unit(*options); });
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -96,22 +97,27 @@ struct Compared {
   bool whole() const { return before.size() == read.size() && read.size() == after.size(); }
 };
 
-/// The longest way of a station from one reading in the factory's form to the next one.
-Way longest_way(const std::vector<Compared>& all, std::size_t station) {
-  Way longest;
+/// The third longest way of a station from one reading in the factory's form to the next one: a
+/// single wrong reading ends one way and begins another one, and shows no motion.
+Way usual_way(const std::vector<Compared>& all, std::size_t station) {
+  constexpr std::size_t kThird = 2;
+  std::vector<double> far, turned;
   for (const Compared& one : all) {
     if (!one.whole() || station >= one.read.size()) continue;
     const Way gone = way(one.before[station], one.after[station]);
-    longest.far = std::max(longest.far, gone.far);
-    longest.turned = std::max(longest.turned, gone.turned);
+    far.push_back(gone.far);
+    turned.push_back(gone.turned);
   }
-  return longest;
+  if (far.size() <= kThird) return {};
+  std::ranges::sort(far, std::greater());
+  std::ranges::sort(turned, std::greater());
+  return {far[kThird], turned[kThird]};
 }
 
 /// Requires that the readings in a form agree with those before and after them.
 ///
-/// Of a receiver that made most of a turn in between, those two may be close together. The longest
-/// way shows such a receiver, and what its motion may explain is no fault of the unit.
+/// Of a receiver that made most of a turn in between, those two may be close together. The other
+/// ways show such a receiver, and what its motion may explain is no fault of the unit.
 void same_pose(const Compared& one, const std::vector<Compared>& all, FastrakDemands& demands) {
   if (!one.whole()) return;  // already reported
   std::string wrong;
@@ -122,8 +128,8 @@ void same_pose(const Compared& one, const std::vector<Compared>& all, FastrakDem
     };
     const std::string differs = found(way(one.before[i], one.after[i]));
     if (differs.empty()) continue;
-    const Way longest = longest_way(all, i);
-    if (found({2.0 * longest.far, 2.0 * longest.turned}).empty()) {
+    const Way usual = usual_way(all, i);
+    if (found({2.0 * usual.far, 2.0 * usual.turned}).empty()) {
       moves = true;
     } else {
       wrong = fmt::format("station {}: {} in that form", i + 1, differs);
