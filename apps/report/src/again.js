@@ -2,7 +2,7 @@
 import { rawBlock, hasBlock, inflated } from './data.js';
 import { find, make } from './elements.js';
 import * as engines from './engine.js';
-import { againInWords, number, skittlesInWords } from './words.js';
+import { againInWords, skittlesInWords } from './words.js';
 
 /** Of one version of the game, where they differ in it: the red one. */
 function first(summary, key) {
@@ -101,7 +101,7 @@ export class Again {
 
   label() {
     for (const id of ['elasticity', 'friction']) {
-      find(id).parentElement.querySelector('output').textContent = id in this.set ? number(this.set[id])
+      find(id).parentElement.querySelector('output').textContent = id in this.set ? String(this.set[id])
         : skittlesInWords(this.trial.json.summary, id);  // the slider itself rounds it to its steps
     }
   }

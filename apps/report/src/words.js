@@ -32,10 +32,10 @@ export function conditionInWords(summary, key, digits) {
     `${name} ${inCondition(version[key], digits)}`).join('; ');
 }
 
-/** Elasticity or friction of the skittles: of each version where they differ in it. */
+/** Elasticity or friction of the skittles with all their digits: of each version where they differ in it. */
 export function skittlesInWords(summary, key) {
-  if (summary[key] !== null) return number(summary[key].skittle);
-  return Object.entries(summary.versions).map(([name, version]) => `${name} ${number(version[key].skittle)}`).join(', ');
+  if (summary[key] !== null) return String(summary[key].skittle);
+  return Object.entries(summary.versions).map(([name, version]) => `${name} ${version[key].skittle}`).join(', ');
 }
 
 /** Of a version, all of its condition. */

@@ -46,8 +46,9 @@ test('a game of ten frames is told by its sheet, never as 64 of 10', () => {
 
 test('what a slider would round is told as the trial has it', () => {
   assert.equal(skittlesInWords(summary({ friction: each(0.004) }), 'friction'), '0.004');
-  const versions = { red: { friction: each(0.7) }, blue: { friction: each(0.004) } };
-  assert.equal(skittlesInWords(summary({ friction: null, versions }), 'friction'), 'red 0.7, blue 0.004');
+  assert.equal(skittlesInWords(summary({ elasticity: each(0.8185) }), 'elasticity'), '0.8185');
+  const versions = { red: { friction: each(0.7125) }, blue: { friction: each(0.004) } };
+  assert.equal(skittlesInWords(summary({ friction: null, versions }), 'friction'), 'red 0.7125, blue 0.004');
 });
 
 test('a spare is a spare in the table too', () => {
