@@ -142,14 +142,23 @@ void Guests::end(std::string_view token, const std::string& key, std::int64_t si
 void Guests::answer(std::string_view token, const std::string& key, const nlohmann::json& answers) {
   Guest& guest = playing(token, key);
   if (!guest.place.answer) throw Refused(404, "nothing is asked here");
-  if (guest.answered) return;  // the answer to the first request was lost
+  const std::string text = answers.dump();
+  if (guest.has_answered()) {
+    if (guest.answers == text) return;
+    throw Refused(409, "the questions were answered already");
+  }
+  const auto refuse = [&](const std::exception& error, int status, const char* why) {
+    tell_(fmt::format("{}: {}", name_of(guest), printable(error.what())));
+    throw Refused(status, why);
+  };
   try {
     guest.place.answer(answers);
+  } catch (const NoAnswer& error) {
+    refuse(error, 400, "a question has none of its answers");
   } catch (const std::exception& error) {
-    tell_(fmt::format("{}: {}", name_of(guest), printable(error.what())));
-    throw Refused(400, "they cannot be stored here now; tell the people who invited you");
+    refuse(error, 507, "they cannot be stored here now; tell the people who invited you");
   }
-  guest.answered = true;
+  guest.answers = text;
   tell_(fmt::format("{} has answered the questions", name_of(guest)));
 }
 
@@ -160,7 +169,7 @@ nlohmann::json Guests::state() const {
                           {"participant", guest.place.participant},
                           {"condition", guest.place.condition},
                           {"state", word(guest.state)},
-                          {"answered", guest.answered},
+                          {"answered", guest.has_answered()},
                           {"trouble", guest.trouble}};
     if (guest.log) {
       const auto silent = std::chrono::steady_clock::now() - guest.heard;

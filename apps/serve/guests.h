@@ -30,6 +30,11 @@ struct Refused : std::runtime_error {
   int status;  ///< of HTTP
 };
 
+/// An answer that is missing, or is none of its question's.
+struct NoAnswer : std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
+
 /// What a guest plays, and where the log goes.
 struct Place {
   std::string participant = {};  ///< of the plan; empty where the guest says who it is
@@ -40,6 +45,7 @@ struct Place {
   /// @throws  when this place has been played, or its file cannot be opened
   std::function<std::unique_ptr<IncomingLog>()> open = {};
   /// Stores the answers of the questionnaire; null without one.
+  /// @throws NoAnswer  and others where they cannot be stored
   std::function<void(const nlohmann::json&)> answer = {};
 };
 
@@ -47,7 +53,8 @@ struct Guest {
   enum class State { invited, playing, ended };
 
   /// Whether only the questions are left.
-  bool is_to_be_asked() const { return state == State::ended && place.answer && !answered; }
+  bool is_to_be_asked() const { return state == State::ended && place.answer && !has_answered(); }
+  bool has_answered() const { return !answers.empty(); }
 
   std::string token;
   Place place;
@@ -57,7 +64,7 @@ struct Guest {
   scene::FollowedLog followed;
   std::chrono::steady_clock::time_point heard;  ///< when the last piece came
   std::string trouble;                          ///< the last refusal of a piece
-  bool answered = false;
+  std::string answers;                          ///< that are stored, as JSON; empty before
 };
 
 /// All guests. One thread uses it.
@@ -97,7 +104,10 @@ class Guests {
   /// @throws Refused  403; 409 when some of it is missing
   void end(std::string_view token, const std::string& key, std::int64_t size);
 
-  /// @throws Refused  403; 400 for answers that are none
+  /// The same answers may come again, as their page may not have got the answer to the first request.
+  ///
+  /// @throws Refused  403; 400 for answers that are none; 409 for others than those that are stored;
+  ///                  507 where they cannot be stored
   void answer(std::string_view token, const std::string& key, const nlohmann::json& answers);
 
   /// For the operator: all guests and how they do.

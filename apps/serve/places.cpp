@@ -34,7 +34,8 @@ std::unique_ptr<IncomingLog> open_next(const fs::path& folder) {
   throw std::runtime_error(fmt::format("{}: has {} games already", folder.string(), kMostGuests));
 }
 
-/// The answers that a page sent; all questions must be answered.
+/// The answers that a page sent.
+/// @throws NoAnswer  unless all questions are answered
 study::Answers answers_in(const nlohmann::json& given, const study::Questionnaire& questions) {
   study::Answers answers;
   for (const study::Item& item : questions.items) {
@@ -43,8 +44,8 @@ study::Answers answers_in(const nlohmann::json& given, const study::Questionnair
         found != given.end() && found->is_string() ? found->get<std::string>() : "";
     const auto answer = study::answer_of(item, text);
     if (!answer) {
-      throw std::invalid_argument(fmt::format("{}: expected {}, found '{}'", item.id,
-                                              study::allowed(item), study::shown(text)));
+      throw NoAnswer(fmt::format("{}: expected {}, found '{}'", item.id, study::allowed(item),
+                                 study::shown(text)));
     }
     answers.push_back({item.id, *answer, study::kAsked});
   }

@@ -293,7 +293,7 @@ TEST_F(Serve, AStudysPlanIsFollowed) {
   EXPECT_EQ(post(links_[1], "answers", "no").status, 400);
   const Reply wrong = post(links_[1], "answers", R"({"presence1":"9"})");
   EXPECT_EQ(wrong.status, 400);
-  EXPECT_THAT(wrong.body, HasSubstr("tell the people who invited you"));
+  EXPECT_THAT(wrong.body, HasSubstr("a question has none of its answers"));
   EXPECT_THAT(wrong.body, testing::Not(HasSubstr("presence1")));  // that is for the operator
   EXPECT_FALSE(fs::exists(folder_ / "study/answers/p002.csv"));
   nlohmann::json answers;
@@ -304,9 +304,12 @@ TEST_F(Serve, AStudysPlanIsFollowed) {
   const Reply stored = post(links_[1], "answers", answers.dump());
   EXPECT_EQ(stored.status, 200) << stored.body;
   EXPECT_THAT(slurp(folder_ / "study/answers/p002.csv"), HasSubstr("p002,presence1,6,asked"));
-  answers["presence1"] = "2";
-  // A page whose first answer was lost asks again: the answers stay.
+  // A page whose first answer was lost asks again; others, as of its copy, are not taken.
   EXPECT_EQ(post(links_[1], "answers", answers.dump()).status, 200);
+  answers["presence1"] = "2";
+  const Reply others = post(links_[1], "answers", answers.dump());
+  EXPECT_EQ(others.status, 409);
+  EXPECT_THAT(others.body, HasSubstr("the questions were answered already"));
   EXPECT_EQ(stop(), 0);
   EXPECT_THAT(slurp(folder_ / "said.txt"), HasSubstr("presence1: expected"));
   EXPECT_THAT(slurp(folder_ / "study/answers/p002.csv"), HasSubstr("p002,presence1,6,asked"));
@@ -406,6 +409,27 @@ TEST_F(Serve, ANewLinkSaysForWhomItIs) {
   const Reply none = ask("POST", links);
   EXPECT_EQ(none.status, 404);
   EXPECT_THAT(none.body, HasSubstr("has played or has a link"));
+}
+
+TEST_F(Serve, AGuestIsToldWhereAnswersCannotBeStored) {
+  ASSERT_EQ(headpin("experiment plan -o study --people 1").code, 0);
+  start("study --links 1");
+  EXPECT_EQ(post(links_[0], "begin").status, 200);
+  nlohmann::json answers;
+  for (int i = 1; i <= 6; ++i) answers[fmt::format("presence{}", i)] = "6";
+  for (const char* item : {"sick", "noticed", "vrbefore", "sex", "occupation"}) {
+    answers[item] = "n/a";
+  }
+  const fs::path file = folder_ / "study/answers/p001.csv";
+  fs::create_directories(file);  // where the file should be
+  const Reply refused = post(links_[0], "answers", answers.dump());
+  EXPECT_EQ(refused.status, 507);
+  EXPECT_THAT(refused.body, HasSubstr("tell the people who invited you"));
+  EXPECT_THAT(refused.body, testing::Not(HasSubstr("p001.csv")));  // that is for the operator
+  fs::remove(file);
+  EXPECT_EQ(post(links_[0], "answers", answers.dump()).status, 200);
+  EXPECT_EQ(stop(), 0);
+  EXPECT_THAT(slurp(folder_ / "said.txt"), HasSubstr("p001.csv"));
 }
 
 }  // namespace

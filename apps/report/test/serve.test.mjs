@@ -167,6 +167,32 @@ test('a page that is loaded again asks its questions again, with the answers so 
   await server.stop();
 });
 
+test('of two tabs that ask the questions of one guest, only the first has its answers stored', async () => {
+  headpin('experiment', 'plan', '-o', 'copied');
+  const server = await serving('copied');
+  const context = await contextOf();
+  const { page } = await openGame(context, server.links[0]);
+  await startGame(page);
+  await page.click('#end');
+  await page.waitForSelector('#questions-form');
+  const { page: copy } = await openGame(context, server.links[0]);
+  const kept = await page.evaluate(() => JSON.stringify(sessionStorage));
+  await copy.evaluate((all) => Object.assign(sessionStorage, JSON.parse(all)), kept);  // as a browser copies a tab
+  await copy.reload();
+  await copy.waitForSelector('#questions-form');
+  for (const [tab, choice] of [[page, 2], [copy, 1]]) {
+    for (const item of await tab.locator('#questions-form fieldset').all()) await item.locator('input').nth(choice).check();
+  }
+  await page.click('#send-answers');
+  await page.waitForSelector('text=The answers are stored');
+  await copy.click('#send-answers');
+  await copy.waitForSelector('text=The answers were not stored: the questions were answered already.');
+  assert.equal(await copy.locator('#questions-form').count(), 0);
+  assert.match(readFileSync(join(folder, 'copied/answers/p001.csv'), 'utf8'), /p001,presence1,3,asked/);
+  await context.close();
+  await server.stop();
+});
+
 /** The first request for something arrives, and its answer is lost. */
 async function loseAnswer(page, doing) {
   let lost = false;

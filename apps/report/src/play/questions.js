@@ -48,7 +48,8 @@ function question(item, number, language) {
 
 /**
  * Shows the questions, and waits until all are answered.
- * @param store  takes the answers by item; may throw in words, then it is tried again
+ * @param store  takes the answers by item; may throw in words, then it is tried again unless its status is 409:
+ *               others have been stored
  */
 export function ask({ items, languages }, store) {
   const language = languages.find((one) => navigator.language.startsWith(one)) ?? languages[0];
@@ -65,15 +66,20 @@ export function ask({ items, languages }, store) {
   find('questions-body').replaceChildren(form);
   find('questions-heading').focus();
   return new Promise((resolve) => {
+    const end = (words) => {
+      answersSoFar.forget();
+      find('questions-body').replaceChildren(make('p', {}, words));
+      resolve();
+    };
     form.addEventListener('submit', async (event) => {
       event.preventDefault();
       try {
         await store(Object.fromEntries(new FormData(form)));
-        answersSoFar.forget();
-        find('questions-body').replaceChildren(make('p', {}, 'Thank you. The answers are stored.'));
-        resolve();
+        end('Thank you. The answers are stored.');
       } catch (error) {
-        trouble.textContent = `The answers were not stored: ${error.message}. Please try again.`;
+        const words = `The answers were not stored: ${error.message}.`;
+        if (error.status === 409) end(words);
+        else trouble.textContent = `${words} Please try again.`;
       }
     });
   });

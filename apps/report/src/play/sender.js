@@ -14,10 +14,11 @@ export function newKey() {
 
 /** The server has said no. */
 class No extends Error {
-  /** @param final  trying again will not change it */
-  constructor(why, final) {
+  /** @param status  of HTTP */
+  constructor(why, status) {
     super(why);
-    this.final = final;
+    this.status = status;
+    this.final = status === 400 || status === 403 || status === 413;  // trying again will not change it
   }
 }
 
@@ -47,9 +48,7 @@ export class Sender {
     const answer = await fetch(`${location.pathname}/${doing}?key=${this.key}${query}`,
       { method: 'POST', body, signal: AbortSignal.timeout(kSilence) });
     if (answer.ok) return answer.json();
-    const why = (await answer.text()).trim();
-    const final = answer.status === 400 || answer.status === 403 || answer.status === 413;
-    throw new No(why, final);
+    throw new No((await answer.text()).trim(), answer.status);
   }
 
   /** The link is used from now on. @throws  in words, when it was used before or nobody answers */
@@ -127,7 +126,7 @@ export class Sender {
     }
   }
 
-  /** @throws  in words, for answers that are not taken */
+  /** @throws  in words, for answers that are not taken; with status 409 where others were */
   async answer(answers) {
     await this.post('answers', { body: JSON.stringify(answers) }).catch(inWords);
   }
