@@ -50,9 +50,8 @@ Guest& Guests::invite() {
   Place place = next_();
   Guest& guest = guests_.emplace_back();
   guest.token = random_token();
-  const scene::Scenario played =
-      scene::played_with(place.scenario, scene::browser_devices().front(), false);
-  guest.followed = scene::FollowedLog(played.rig.X_WT.q, played.rack.spots.size());
+  guest.followed = scene::FollowedLog(
+      scene::played_with(place.scenario, scene::browser_devices().front(), false));
   guest.place = std::move(place);
   return guest;
 }

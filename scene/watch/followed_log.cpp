@@ -8,8 +8,8 @@
 #include "scene/looks/glimpse.h"
 #include "scene/looks/looks.h"
 #include "scene/record/events.h"
+#include "scene/scenario/text.h"
 #include "scene/stage/bodies.h"
-#include "scene/stage/read_scenario.h"
 #include "scene/stage/stage.h"
 
 namespace headpin::scene {
@@ -64,15 +64,17 @@ void FollowedLog::take(const TrialHeader& header) {
   if (header_) return;
   header_ = header;
   try {
-    const Scenario begun = scenario_of_trial(header.scenario, "log");
-    const auto centre = [](const Scenario& s) { return skittle_body(s).centre_height; };
-    centres_.fill(centre(begun));
-    if (const Versions& v = begun.version; v.buttons) {
-      centres_[1] = centre(under(begun, v.red));
-      centres_[2] = centre(under(begun, v.blue));
-    }
-    scenario_ = begun;
-  } catch (const std::exception&) {  // the room is then drawn as it is without versions
+    Scenario its;
+    ScenarioText text{.where = "log", .whole = true};
+    read_text(its, header.scenario, text);
+    scenario_.rig = its.rig;
+  } catch (const std::exception&) {  // the hand is then shown as of another device
+  }
+  const auto centre = [](const Scenario& s) { return skittle_body(s).centre_height; };
+  centres_.fill(centre(scenario_));
+  if (const Versions& v = scenario_.version; v.buttons) {
+    centres_[1] = centre(under(scenario_, v.red));
+    centres_[2] = centre(under(scenario_, v.blue));
   }
 }
 
@@ -83,8 +85,9 @@ void FollowedLog::take(const devices::TrackerSample& sample) {
 }
 
 void FollowedLog::take(const Event& event) {
+  const auto skittles = static_cast<double>(scenario_.rack.spots.size());
   if (event.detail.get_if<GameKind>() &&
-      event.value > skittles_) {  // each throw would name them all
+      event.value > skittles) {  // each throw would name them all
     ++unusable_;
     return;
   }
@@ -96,18 +99,17 @@ void FollowedLog::take(const Event& event) {
   if (event.kind == kind::tracking_back) lost_.erase(event.detail.text());
   if (event.kind == kind::paused) ++pauses_;
   if (event.kind == kind::played_with) played_with_ = event.detail.text();
-  if (event.kind == kind::version && scenario_) {
-    const Versions& versions = scenario_->version;
+  if (event.kind == kind::version && scenario_.version.buttons) {
+    const Versions& versions = scenario_.version;
     version_ = event.detail.text() == "red" ? 1 : 2;
-    scenario_ = under(*scenario_, version_ == 1 ? versions.red : versions.blue);
+    scenario_ = under(scenario_, version_ == 1 ? versions.red : versions.blue);
   }
   if (event.kind == kind::version) holds_ = false;
   if (event.kind == kind::grab || event.kind == kind::release) {
     holds_ = event.kind == kind::grab;
     grip_tick_ = event.tick;
   }
-  static const Scenario unknown;
-  score_.add(event, scenario_ ? *scenario_ : unknown);
+  score_.add(event, scenario_);
 }
 
 void FollowedLog::take(const TickState& state) {
@@ -140,13 +142,12 @@ double FollowedLog::frame_rate_hz() const {
 }
 
 bool FollowedLog::shows_ellipsoids() const {
-  return scenario_ && scene::shows_ellipsoids(*scenario_);
+  return scene::shows_ellipsoids(scenario_);
 }
 
 /// How much higher a skittle's mesh is drawn than its body's origin [m].
 double FollowedLog::raised() const {
-  if (!scenario_) return 0.0;
-  const DrawnCentres drawn = drawn_centres(*scenario_, centres_[0]);
+  const DrawnCentres drawn = drawn_centres(scenario_, centres_[0]);
   return skittle_look(shows_ellipsoids(), centres_[version_], drawn).raised;
 }
 
@@ -158,21 +159,21 @@ std::optional<Pose> FollowedLog::head() const {
 /// By where the hand's sensor is beside the head's.
 std::optional<Pose> FollowedLog::hand() const {
   const std::optional<Pose> X_WD = head();
-  const Rig rig = scenario_ ? scenario_->rig : Rig{};
+  const Rig& rig = scenario_.rig;
   const auto its_head = X_TS_.find(static_cast<std::int32_t>(rig.head_station));
   const auto its_hand = X_TS_.find(static_cast<std::int32_t>(rig.hand_station));
   if (!X_WD || its_head == X_TS_.end() || its_hand == X_TS_.end()) return std::nullopt;
   const Vec3 p_WS_head = *X_WD * rig.X_SD.inverse().p;
-  const Pose X_WS{R_WT_ * its_hand->second.q,
-                  p_WS_head + R_WT_ * (its_hand->second.p - its_head->second.p)};
+  const Quat& q_WT = rig.X_WT.q;
+  const Pose X_WS{q_WT * its_hand->second.q,
+                  p_WS_head + q_WT * (its_hand->second.p - its_head->second.p)};
   return X_WS * rig.X_SH;
 }
 
 double FollowedLog::closed() const {
   if (!grip_tick_) return 0.0;
   const double ticks = static_cast<double>(last_.tick) - static_cast<double>(*grip_tick_);
-  const std::int64_t rate = (scenario_ ? scenario_->rates : Rates{}).physics_hz;
-  return how_closed(holds_, ticks / static_cast<double>(rate));
+  return how_closed(holds_, ticks / static_cast<double>(scenario_.rates.physics_hz));
 }
 
 json FollowedLog::state() const {
@@ -206,7 +207,7 @@ json FollowedLog::state() const {
           {"ended", ended_},
           {"head", numbers(head())},
           {"hand", numbers(hand())},
-          {"left_hand", scenario_ && scenario_->rig.hand_station == devices::kLeftHandStation},
+          {"left_hand", scenario_.rig.hand_station == devices::kLeftHandStation},
           {"closed", closed()},
           {"ellipsoids", shows_ellipsoids()},
           {"bodies", std::move(bodies)}};

@@ -23,10 +23,9 @@ namespace headpin::scene {
 /// the log, but for its throws. It accepts any bytes.
 class FollowedLog {
  public:
-  /// @param R_WT      of the tracked space that the log's samples are in
-  /// @param skittles  that the session has; a game of more is not the log's
-  explicit FollowedLog(const Quat& R_WT = Quat::Identity(), std::size_t skittles = kMostSkittles)
-      : R_WT_(R_WT), skittles_(static_cast<double>(skittles)) {}
+  /// @param played  the scenario of the session, as some device plays it. Of the one that the log has,
+  ///                only the rig is used: a log that comes from elsewhere must cost no work here
+  explicit FollowedLog(const Scenario& played = {}) : scenario_(played) {}
 
   /// @param piece  the bytes that follow those before
   void add(std::span<const std::uint8_t> piece);
@@ -56,13 +55,11 @@ class FollowedLog {
   double closed() const;
   double frame_rate_hz() const;
 
-  Quat R_WT_;
-  double skittles_;
   std::vector<std::uint8_t> rest_;  ///< an event that is not whole yet
   std::int64_t unusable_ = 0;       ///< bytes and messages that cannot be read
   bool ended_ = false;
   std::optional<TrialHeader> header_;
-  std::optional<Scenario> scenario_;  ///< of the version that is played; none if it cannot be read
+  Scenario scenario_;  ///< of the version that is played, with the log's rig
   /// Heights of a skittle's origin above its base [m]: as the session begins, in red, in blue.
   std::array<double, 3> centres_{};
   std::size_t version_ = 0;  ///< of centres_

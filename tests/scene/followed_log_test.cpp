@@ -124,7 +124,9 @@ TEST(FollowedLog, TheHandIsWhereItIsBesideTheHead) {
   R_WT << 1.0, 0.0, 0.0,  //
       0.0, 0.0, -1.0,     //
       0.0, 1.0, 0.0;
-  FollowedLog follow{Quat(R_WT)};
+  Scenario played;
+  played.rig.X_WT.q = Quat(R_WT);
+  FollowedLog follow(played);
   follow.add(log);
   const nlohmann::json hand = follow.state()["hand"];
   ASSERT_EQ(hand.size(), 7u);
@@ -141,7 +143,7 @@ TEST(FollowedLog, SkittlesLookLikeThoseOfTheVersionThatIsPlayed) {
   scenario.version.blue.shape = SkittleShape::ellipsoid;
   TrialHeader header;
   header.scenario = to_toml(scenario);
-  FollowedLog follow;
+  FollowedLog follow(scenario);
   TrialEvents writer(header, {}, [&](const devices::LogEvent& event) {
     std::vector<std::uint8_t> piece;
     devices::append(event, piece);
@@ -239,7 +241,7 @@ nlohmann::json watched(const Scenario& scenario, const std::string& device, bool
   frame.X_WE.fill(X_WD);
   session.drew(frame);
   session.see(view);
-  FollowedLog follow(played.rig.X_WT.q);
+  FollowedLog follow(played_with(scenario, browser_devices().front(), false));
   follow.add(session.take_log());
   return follow.state();
 }
@@ -309,7 +311,7 @@ TEST(FollowedLog, AnEllipsoidIsRaisedByTheRulesOfItsScenario) {
 // A guest could make the server write down ten thousand numbers for each throw.
 TEST(FollowedLog, AGameOfMoreSkittlesThanTheSessionHasIsNoneOfIt) {
   for (const int rack : {10, 11, 10'000}) {
-    FollowedLog follow{Quat::Identity(), 10};
+    FollowedLog follow;
     TrialEvents writer(TrialHeader{}, {}, [&](const devices::LogEvent& event) {
       std::vector<std::uint8_t> piece;
       devices::append(event, piece);
@@ -323,6 +325,31 @@ TEST(FollowedLog, AGameOfMoreSkittlesThanTheSessionHasIsNoneOfIt) {
     EXPECT_EQ(follow.state()["sheets"].size(), rack == 10 ? 1u : 0u) << rack;
     EXPECT_EQ(follow.state()["unusable"], rack == 10 ? 0 : 1) << rack;
   }
+}
+
+// Its skittles could take a second to weigh each time.
+TEST(FollowedLog, AHeaderOfAnotherScenarioGivesTheRigAlone) {
+  Scenario others;
+  others.rig = played_with(others, browser_device("mouse"), true).rig;
+  others.skittle.seen = SeenSkittle::collider;
+  others.collision.shape = SkittleShape::ellipsoid;
+  others.rack.spots.emplace_back(0.4, 19.5);
+  TrialHeader header;
+  header.scenario = to_toml(others);
+  FollowedLog follow;
+  TrialEvents writer(header, {}, [&](const devices::LogEvent& event) {
+    std::vector<std::uint8_t> piece;
+    devices::append(event, piece);
+    follow.add(piece);
+  });
+  EXPECT_TRUE(follow.state()["left_hand"]);
+  EXPECT_FALSE(follow.state()["ellipsoids"]);
+  Event game;
+  game.kind = kind::game;
+  game.detail = GameKind::plain;
+  game.value = static_cast<double>(others.rack.spots.size());
+  writer.write(game);
+  EXPECT_EQ(follow.state()["unusable"], 1);
 }
 
 }  // namespace
