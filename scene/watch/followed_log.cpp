@@ -1,6 +1,7 @@
 #include "scene/watch/followed_log.h"
 
 #include <algorithm>
+#include <limits>
 
 #include <nlohmann/json.hpp>
 
@@ -34,6 +35,15 @@ json sheets_of(const Score& score) {
   json out = json::array();
   for (const Sheet& sheet : score.games) out.push_back(in_words(sheet));
   return out;
+}
+
+constexpr std::size_t kNoBody = std::numeric_limits<std::size_t>::max();
+
+/// The first body of an event.
+std::size_t first_body(const Event& event, const std::optional<TrialHeader>& header) {
+  if (!header || event.bodies.empty()) return kNoBody;
+  const std::vector<std::string>& names = header->body_names;
+  return static_cast<std::size_t>(std::ranges::find(names, event.bodies.front()) - names.begin());
 }
 
 }  // namespace
@@ -107,19 +117,29 @@ void FollowedLog::take(const Event& event) {
   if (event.kind == kind::version) holds_ = false;
   if (event.kind == kind::grab || event.kind == kind::release) {
     holds_ = event.kind == kind::grab;
+    held_ = first_body(event, header_);
     grip_tick_ = event.tick;
   }
   score_.add(event, scenario_);
 }
 
+/// A skittle that is set up anew is taken out of the hand without an event. What is carried is awake.
+void FollowedLog::watch_hand() {
+  if (!holds_ || held_ >= last_.bodies.size() || !last_.bodies[held_].asleep) return;
+  holds_ = false;
+  grip_tick_ = last_.tick;
+}
+
 void FollowedLog::take(const TickState& state) {
   last_ = state;
   history_.begin(state);
+  watch_hand();
 }
 
 void FollowedLog::take(const StateChange& change) {
   if (const TickState* state = history_.go_on(change)) {
     last_ = *state;
+    watch_hand();
   } else {
     ++unusable_;
   }

@@ -48,6 +48,7 @@ class FollowedLog {
   void take(const Snapshot&) {}
   void take(const FrameRecord& frame);
 
+  void watch_hand();
   bool shows_ellipsoids() const;
   double raised() const;
   std::optional<Pose> head() const;
@@ -70,6 +71,7 @@ class FollowedLog {
   std::set<std::string> lost_;         ///< what is not tracked now
   std::int64_t times_lost_ = 0, pauses_ = 0, frames_ = 0;
   bool holds_ = false;                     ///< the hand, something
+  std::size_t held_ = 0;                   ///< which of the bodies; too large where that is unknown
   std::optional<std::int64_t> grip_tick_;  ///< of the last grab or release
   std::deque<Time> frame_times_;           ///< of the last ones
   std::optional<FrameRecord> frame_;

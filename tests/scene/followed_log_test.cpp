@@ -1,12 +1,14 @@
 #include "scene/watch/followed_log.h"
 
 #include <algorithm>
+#include <set>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "base/random.h"
+#include "devices/base/sources.h"
 #include "scene/looks/glimpse.h"
 #include "scene/page/browser_device.h"
 #include "scene/page/page_session.h"
@@ -17,6 +19,7 @@
 #include "scene/watch/totals.h"
 #include "scene/watch/trial_writer.h"
 #include "tests/scene/demo.h"
+#include "tests/scene/with_rules.h"
 
 namespace headpin::scene {
 namespace {
@@ -325,6 +328,50 @@ TEST(FollowedLog, AGameOfMoreSkittlesThanTheSessionHasIsNoneOfIt) {
     EXPECT_EQ(follow.state()["sheets"].size(), rack == 10 ? 1u : 0u) << rack;
     EXPECT_EQ(follow.state()["unusable"], rack == 10 ? 0 : 1) << rack;
   }
+}
+
+// The hand has a skittle as the next frame begins, which sets it up.
+TEST(FollowedLog, TheHandOpensWhenWhatItHoldsIsSetUp) {
+  Scenario scenario = with_rules(GameKind::plain, 2, 1);
+  scenario.rack.spots.resize(1);
+  Session session = make_session(scenario);
+  const Stage& stage = *session.stage;
+  const engine::BodyId skittle = stage.skittles.front(), ball = stage.balls.front();
+  std::vector<devices::Sample> samples;
+  for (int i = 0; i <= 90; ++i) {
+    const Vec3 p_WH = stage.world.states[skittle].X_WB.p - scenario.hand.grip;
+    devices::TrackerSample hand =
+        held_still(devices::kHandStation, tick_time(i, 60), {Quat::Identity(), p_WH});
+    hand.sequence = i;
+    samples.emplace_back(hand);
+  }
+  samples.emplace_back(devices::MouseSample{.device_time = Time{100'000}, .trigger = true});
+  devices::ReplaySource source(samples);
+  FollowedLog follow(scenario);
+  TrialWriter writer(std::make_unique<TrialEvents>(header_of({}, session), TrialEvents::Options{},
+                                                   [&](const devices::LogEvent& event) {
+                                                     std::vector<std::uint8_t> piece;
+                                                     devices::append(event, piece);
+                                                     follow.add(piece);
+                                                   }));
+  std::set<double> seen;
+  while (session.now() < Time{1'400'000}) {
+    advance(session, source);
+    writer.tick(session);
+    const double closed = glimpse(session, {}).closed;
+    seen.insert(closed);
+    ASSERT_NEAR(follow.state()["closed"].get<double>(), closed, 1e-4) << session.tick;
+    if (session.tick != 60) continue;
+    ASSERT_TRUE(session.player.held);
+    engine::set_kind(session.world, ball, engine::Kind::free);
+    engine::set_state(
+        session.world, ball,
+        {{Quat::Identity(), Vec3(0.3, 1.0, scenario.ball.radius)}, Vec3::Zero(), Vec3::Zero()});
+  }
+  EXPECT_EQ(session.game.frames.size(), 2u);
+  EXPECT_FALSE(session.player.held);
+  EXPECT_TRUE(seen.contains(0.0) && seen.contains(1.0));
+  EXPECT_EQ(glimpse(session, {}).closed, 0.0);
 }
 
 // Its skittles could take a second to weigh each time.
