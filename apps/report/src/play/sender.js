@@ -3,6 +3,7 @@ const kMostAtOnce = 1_000_000;             // bytes of a request
 const kLeastAtOnce = 10_000;               // bytes that a slow line still takes in `kSilence`
 const kWaits = [250, 500, 1000, 2000, 4000];  // ms before the next try
 const kSilence = 15_000;                   // ms, after which a request has failed
+const kEnough = 20;                        // requests that arrive before a size that was too large is tried again
 
 const sleep = (ms) => new Promise((resolve) => { setTimeout(resolve, ms); });
 
@@ -39,6 +40,8 @@ export class Sender {
     this.made = 0;       // bytes
     this.sent = 0;       // of them, that are there
     this.atOnce = kMostAtOnce;  // bytes of the next request: fewer after one that failed
+    this.tooLarge = Infinity;   // of one that failed
+    this.arrived = 0;    // requests since then
     this.trouble = '';   // why nothing gets there now
     this.wake = () => {};
   }
@@ -114,14 +117,23 @@ export class Sender {
     }
   }
 
-  /** A slow line may take too long for a large piece: the next one is half as large, until one arrives. */
+  /**
+   * A slow line may take too long for a large piece: the next one is half as large, until one arrives. The size that
+   * failed is seldom tried again, as that may take all of kSilence.
+   */
   async sendPiece() {
     const body = new Blob(this.pieces).slice(this.sent, this.sent + this.atOnce);
     try {
       this.sent = (await this.post('log', { at: this.sent, body })).size;
-      this.atOnce = Math.min(2 * this.atOnce, kMostAtOnce);
+      const larger = Math.min(2 * this.atOnce, kMostAtOnce);
+      if (++this.arrived >= kEnough) this.tooLarge = Infinity;
+      if (larger < this.tooLarge) this.atOnce = larger;
     } catch (error) {
-      if (!(error instanceof No)) this.atOnce = Math.max(this.atOnce / 2, kLeastAtOnce);
+      if (!(error instanceof No)) {
+        this.arrived = 0;
+        this.tooLarge = this.atOnce;
+        this.atOnce = Math.max(this.atOnce / 2, kLeastAtOnce);
+      }
       throw error;
     }
   }
