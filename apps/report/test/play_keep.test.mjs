@@ -227,3 +227,20 @@ test('a game whose name another one has gets another name', async () => {
   assert.equal(await older.count(), 1);
   await context.close();
 });
+
+test('of two lists of files that are made meanwhile the newest is shown', async () => {
+  const { page, context } = await open();
+  await page.evaluate(async () => {
+    const folder = await (await navigator.storage.getDirectory()).getDirectoryHandle('headpin', { create: true });
+    await folder.getFileHandle('kept.lcmlog', { create: true });
+    let fail;
+    navigator.locks.query = () => new Promise((resolve, reject) => { fail = reject; });
+    const slow = window.headpin.listFiles();
+    delete navigator.locks.query;
+    await window.headpin.listFiles();
+    fail(new Error('too late'));  // the list would be empty
+    await slow;
+  });
+  assert.match(await page.textContent('#files-body'), /^kept\.lcmlog/);
+  await context.close();
+});

@@ -157,6 +157,10 @@ test('a page that is loaded again asks its questions again, with the answers so 
   const { page: other } = await openGame(context, server.links[0]);
   assert.match(await other.textContent('#hint'), /^This link was used already/);
   assert.equal(await other.isVisible('#questions'), false);
+  const slow = await context.newPage();
+  await slow.addInitScript(() => { navigator.locks.query = () => new Promise(() => {}); });  // its files are never listed
+  await slow.goto(server.links[0]);
+  await slow.waitForSelector('#start:disabled');
   for (const item of questions.slice(1)) await item.locator('input').nth(1).check();
   await page.click('#send-answers');
   await page.waitForSelector('text=The answers are stored');

@@ -97,7 +97,8 @@ class Page {
     if (!guest) return;
     find('network').textContent = 'This page sends the game to the computer that it came from.';
     find('who').hidden = guest.participant !== '';
-    if (guest.hint) find('hint').textContent = `${guest.hint} Press Play here.`;
+    if (guest.ended) this.offerNoGame();
+    else if (guest.hint) find('hint').textContent = `${guest.hint} Press Play here.`;
   }
 
   isUnsaved() {
@@ -305,7 +306,6 @@ class Page {
   /** The page was loaded again after the game: its questions, for the tab that played. */
   async goOnAsking() {
     const { key } = answersSoFar.read();
-    this.offerNoGame();
     find('hint').textContent = key ? 'The game is over. Please answer the questions.'
       : 'This link was used already; ask for another one.';
     if (!key) return;
@@ -383,8 +383,12 @@ class Page {
     return foul + (score.sheets.length > 0 ? 'Wait: the ball comes back.' : 'The ball is thrown. End the game, and save it.');
   }
 
+  /** Of lists that are asked for meanwhile, the newest is shown. */
   async listFiles() {
+    this.lists = (this.lists ?? 0) + 1;
+    const mine = this.lists;
     const logs = await keptLogs();
+    if (mine !== this.lists) return;
     const rows = logs.map(({ name, file, playing }) => {
       const row = make('li', {}, `${name}, ${megabytes(file.size)} `);
       const cut = this.cutShort.has(name);
