@@ -294,10 +294,9 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"operator", "address of the operator's page"},
     {"other_condition", "result of a separate throw under the condition that was given"},
     {"other_games",
-     "participants who played a version more than once, or not to its end; they count, with all their "
-     "games"},
+     "participants who played a version more than once, or not to its end; those of them who count do so with all their games"},
     {"other_order",
-     "participants who played the two versions in another order than planned; they count"},
+     "participants who played the two versions in another order than planned; that alone is no reason not to count"},
     {"other_publishers_samples",
      "samples that were left out because another publisher sends the same station"},
     {"other_trials", "messages of another trial in the same file"},

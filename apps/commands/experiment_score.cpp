@@ -65,8 +65,8 @@ void score(const ScoreOptions& options) {
     const std::string why = study::why_not(study.design, study.questions, person);
     if (!why.empty()) not_counted.push_back({{"participant", person.planned.id}, {"why_not", why}});
     if (why.empty() && person.played.run.empty()) not_played.push_back(person.planned.id);
-    if (why.empty() && study::is_in_other_order(person)) other_order.push_back(person.planned.id);
-    if (why.empty() && study::has_other_games(person)) other_games.push_back(person.planned.id);
+    if (study::is_in_other_order(person)) other_order.push_back(person.planned.id);
+    if (study::has_other_games(person)) other_games.push_back(person.planned.id);
     if (why.empty() && !person.played.replays) otherwise.push_back(person.planned.id);
   }
   if (options.json) {
