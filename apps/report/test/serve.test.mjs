@@ -190,7 +190,7 @@ test('of two tabs that ask the questions of one guest, only the first has its an
   await page.click('#send-answers');
   await page.waitForSelector('text=The answers are stored');
   await copy.click('#send-answers');
-  await copy.waitForSelector('text=The answers were not stored: the questions were answered already.');
+  await copy.waitForSelector('text=The answers that were sent first are stored; these are not.');
   assert.equal(await copy.locator('#questions-form').count(), 0);
   assert.match(readFileSync(join(folder, 'copied/answers/p001.csv'), 'utf8'), /p001,presence1,3,asked/);
   await context.close();
@@ -316,6 +316,46 @@ test('by HTTPS to other machines: the page has what a headset needs', async () =
   assert.ok(await page.evaluate(() => isSecureContext && 'xr' in navigator));
   await startGame(page);
   await until(page, () => window.headpin.sender.sent > 0 && window.headpin.store.stored > 0);
+  await context.close();
+  await server.stop();
+});
+
+test('answers that are changed after the reply to the first ones was lost are not said to be stored', async () => {
+  headpin('experiment', 'plan', '-o', 'changed');
+  const server = await serving('changed');
+  const context = await contextOf();
+  const { page } = await openGame(context, server.links[0]);
+  await startGame(page);
+  await page.click('#end');
+  await page.waitForSelector('#questions-form');
+  const questions = await page.locator('#questions-form fieldset').all();
+  for (const item of questions) await item.locator('input').nth(2).check();
+  await loseAnswer(page, 'answers');
+  await page.click('#send-answers');
+  await page.waitForSelector('text=Please try again.');
+  await questions[0].locator('input').nth(1).check();
+  await page.click('#send-answers');
+  await page.waitForSelector('text=The answers that were sent first are stored; these are not.');
+  assert.match(readFileSync(join(folder, 'changed/answers/p001.csv'), 'utf8'), /p001,presence1,3,asked/);
+  await context.close();
+  await server.stop();
+});
+
+test('the answers cannot be sent again while they are sent', async () => {
+  headpin('experiment', 'plan', '-o', 'twice');
+  const server = await serving('twice');
+  const context = await contextOf();
+  const { page } = await openGame(context, server.links[0]);
+  await startGame(page);
+  await page.click('#end');
+  await page.waitForSelector('#questions-form');
+  for (const item of await page.locator('#questions-form fieldset').all()) await item.locator('input').nth(2).check();
+  const asked = new Promise((resolve) => { page.route('**/answers?*', resolve); });  // it waits for its reply
+  await page.click('#send-answers');
+  const request = await asked;
+  assert.equal(await page.isDisabled('#send-answers'), true);
+  await request.abort('connectionreset');
+  await page.waitForSelector('#send-answers:enabled');
   await context.close();
   await server.stop();
 });

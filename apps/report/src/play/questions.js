@@ -54,9 +54,10 @@ function question(item, number, language) {
 export function ask({ items, languages }, store) {
   const language = languages.find((one) => navigator.language.startsWith(one)) ?? languages[0];
   const trouble = make('p', { role: 'alert' });
+  const send = make('button', { type: 'submit', class: 'main', id: 'send-answers' }, 'Send the answers');
   const form = make('form', { id: 'questions-form', lang: language },
     ...items.map((item, i) => question(item, i + 1, language)),
-    make('button', { type: 'submit', class: 'main', id: 'send-answers' }, 'Send the answers'), trouble);
+    send, trouble);
   for (const [item, value] of Object.entries(answersSoFar.read().answers ?? {})) {
     const answers = form.elements.namedItem(item);
     if (answers) answers.value = value;
@@ -73,14 +74,15 @@ export function ask({ items, languages }, store) {
     };
     form.addEventListener('submit', async (event) => {
       event.preventDefault();
+      send.disabled = true;
       try {
         await store(Object.fromEntries(new FormData(form)));
         end('Thank you. The answers are stored.');
       } catch (error) {
-        const words = `The answers were not stored: ${error.message}.`;
-        if (error.status === 409) end(words);
-        else trouble.textContent = `${words} Please try again.`;
+        if (error.status === 409) end('The answers that were sent first are stored; these are not.');
+        else trouble.textContent = `The answers were not stored: ${error.message}. Please try again.`;
       }
+      send.disabled = false;
     });
   });
 }
