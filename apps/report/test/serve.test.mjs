@@ -161,6 +161,7 @@ test('a page that is loaded again asks its questions again, with the answers so 
   await slow.addInitScript(() => { navigator.locks.query = () => new Promise(() => {}); });  // its files are never listed
   await slow.goto(server.links[0]);
   await slow.waitForSelector('#start:disabled');
+  assert.match(await slow.textContent('#hint'), /^This link was used already/);
   for (const item of questions.slice(1)) await item.locator('input').nth(1).check();
   await page.click('#send-answers');
   await page.waitForSelector('text=The answers are stored');

@@ -97,8 +97,14 @@ class Page {
     if (!guest) return;
     find('network').textContent = 'This page sends the game to the computer that it came from.';
     find('who').hidden = guest.participant !== '';
-    if (guest.ended) this.offerNoGame();
+    if (guest.ended) this.tellEnded();
     else if (guest.hint) find('hint').textContent = `${guest.hint} Press Play here.`;
+  }
+
+  tellEnded() {
+    this.offerNoGame();
+    find('hint').textContent = answersSoFar.read().key ? 'The game is over. Please answer the questions.'
+      : 'This link was used already; ask for another one.';
   }
 
   isUnsaved() {
@@ -306,8 +312,6 @@ class Page {
   /** The page was loaded again after the game: its questions, for the tab that played. */
   async goOnAsking() {
     const { key } = answersSoFar.read();
-    find('hint').textContent = key ? 'The game is over. Please answer the questions.'
-      : 'This link was used already; ask for another one.';
     if (!key) return;
     this.sender = new Sender(key, () => {});
     this.sender.over = true;
