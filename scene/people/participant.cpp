@@ -134,8 +134,10 @@ void Participant::act(const Session& session, double now) {
 
 /// Goes to the button of the version that is to be played, as that of another one was touched by
 /// accident: by a hand that moves out of the way of a skittle. Where its own was touched, it has
-/// begun again, and the participant throws all its balls again.
+/// begun again, and the participant throws all its balls again. On the way to its first ball it just
+/// goes on: its hand still leaves the button.
 void Participant::go_back(const Session& session, double now, bool began_again) {
+  if (began_again && doing_ == Doing::walks_to_ball && throws_ == 0) return;
   if (began_again) {
     throws_ = 0;
     game_over_ = false;

@@ -359,12 +359,17 @@ TEST(ParticipantTest, ItPlaysTheSameSheetsThroughAUnit) {
   }
 }
 
-/// A participant whose hand is at a button for a moment, a second after a ball was let go.
+/// A participant whose hand is at a button for a moment, a second after an event.
 class Brushing : public devices::Source, public Observer {
  public:
-  /// @param times  after how many of the balls
-  Brushing(Participant& participant, const Scenario& scenario, int times, const Vec3& button_W)
-      : participant_(participant), scenario_(scenario), times_(times), button_W_(button_W) {}
+  /// @param times  after how many of the events
+  Brushing(Participant& participant, const Scenario& scenario, int times, const Vec3& button_W,
+           std::string_view after)
+      : participant_(participant),
+        scenario_(scenario),
+        times_(times),
+        button_W_(button_W),
+        after_(after) {}
 
   void poll(Time now, std::vector<devices::Sample>& out) override {
     const std::size_t before = out.size();
@@ -384,7 +389,7 @@ class Brushing : public devices::Source, public Observer {
   void tick(const Session& session) override {
     p_WP_ = session.player.walk.p_WP;
     for (const Event& event : session.events) {
-      if (event.kind == kind::release && times_-- > 0) from_ = event.time + 1s;
+      if (event.kind == after_ && times_-- > 0) from_ = event.time + 1s;
     }
   }
 
@@ -393,19 +398,21 @@ class Brushing : public devices::Source, public Observer {
   const Scenario& scenario_;
   int times_;
   Vec3 button_W_;
+  std::string_view after_;
   std::optional<Time> from_;
   Vec3 p_WP_ = Vec3::Zero();
 };
 
 /// The versions in order, with the balls of each: "red 1".
 std::vector<std::string> versions_brushed(int times, int throws, bool& gave_up,
-                                          Colour brushed = Colour::blue) {
+                                          Colour brushed = Colour::blue,
+                                          std::string_view after = kind::release) {
   const Scenario scenario = participants_room();
   const Versions& versions = scenario.version;
   const Vec3 button = brushed == Colour::blue ? versions.blue.button : versions.red.button;
   Session session = make_session(scenario);
   Participant participant({steady_person(), throws}, scenario);
-  Brushing brushing(participant, scenario, times, button);
+  Brushing brushing(participant, scenario, times, button, after);
   SessionSeen seen;
   NoPace pace;
   Observer* const observers[] = {&participant, &brushing, &seen};
@@ -442,6 +449,14 @@ TEST(ParticipantTest, WhoBrushesTheButtonOfItsVersionThrowsAllItsBallsAgain) {
   bool gave_up = false;
   EXPECT_THAT(versions_brushed(1, 2, gave_up, Colour::red),
               testing::ElementsAre("red 1", "red 2", "blue 2"));
+  EXPECT_FALSE(gave_up);
+}
+
+// Nothing was thrown yet that would have to be thrown again.
+TEST(ParticipantTest, WhoTouchesItsButtonAgainOnTheWayToTheFirstBallGoesOn) {
+  bool gave_up = false;
+  EXPECT_THAT(versions_brushed(5, 1, gave_up, Colour::red, kind::version),
+              testing::ElementsAre("red 0", "red 0", "red 0", "red 0", "red 0", "red 1", "blue 1"));
   EXPECT_FALSE(gave_up);
 }
 
