@@ -119,7 +119,7 @@ export class Sender {
 
   /**
    * A slow line may take too long for a large piece: the next one is half as large, until one arrives. The size that
-   * failed is seldom tried again, as that may take all of kSilence.
+   * failed is seldom tried again, as that may take all of kSilence. A small piece that fails was not too large.
    */
   async sendPiece() {
     const body = new Blob(this.pieces).slice(this.sent, this.sent + this.atOnce);
@@ -129,10 +129,10 @@ export class Sender {
       if (++this.arrived >= kEnough) this.tooLarge = Infinity;
       if (larger < this.tooLarge) this.atOnce = larger;
     } catch (error) {
-      if (!(error instanceof No)) {
+      if (!(error instanceof No) && body.size > kLeastAtOnce) {
         this.arrived = 0;
-        this.tooLarge = this.atOnce;
-        this.atOnce = Math.max(this.atOnce / 2, kLeastAtOnce);
+        this.tooLarge = body.size;
+        this.atOnce = Math.max(Math.ceil(body.size / 2), kLeastAtOnce);
       }
       throw error;
     }
