@@ -1,6 +1,7 @@
 #include "devices/recordings/marker_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -15,6 +16,22 @@
 namespace headpin::devices {
 namespace {
 
+/// A line that is neither blank nor a remark.
+struct EventLine {
+  std::string_view text;
+  std::size_t number;
+  std::vector<std::string_view> cells;
+};
+
+std::vector<EventLine> event_lines(std::string_view text) {
+  std::vector<EventLine> lines;
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::string_view line = trimmed(take_front(text, '\n'));
+    if (!line.empty() && line.front() != '#') lines.push_back({line, number, split_cells(line)});
+  }
+  return lines;
+}
+
 /// The column of the times, from a header; none without one.
 std::optional<std::size_t> time_column(const std::vector<std::string_view>& header) {
   for (std::size_t c = 0; c < header.size(); ++c) {
@@ -23,6 +40,29 @@ std::optional<std::size_t> time_column(const std::vector<std::string_view>& head
   }
   return std::nullopt;
 }
+
+/// How the cells of a file tell times. Those of a column that a header names are read together: without a header
+/// it is not known which cells are of one kind.
+struct EventTimes {
+  double unit_s;
+  std::optional<std::size_t> column;
+  std::size_t colon_decimals = 0;  // of that column
+
+  EventTimes(const std::vector<EventLine>& lines, double unit) : unit_s(unit) {
+    if (!lines.empty()) column = time_column(lines.front().cells);
+    if (!column) return;
+    std::vector<std::string_view> cells;
+    for (const EventLine& line : lines) {
+      if (*column < line.cells.size()) cells.push_back(line.cells[*column]);
+    }
+    colon_decimals = devices::colon_decimals(cells);
+  }
+
+  std::optional<double> of(const EventLine& line, std::size_t c) const {
+    return column == c ? time_of(line.cells[c], unit_s, colon_decimals)
+                       : time_of(line.cells[c], unit_s);
+  }
+};
 
 /// A grab or a release as a line says it.
 struct Marker {
@@ -44,63 +84,46 @@ struct MarkerLines {
 };
 
 /// The first cell that is a word and no time; empty if there is none.
-std::string_view word_in(const std::vector<std::string_view>& cells, double unit_s,
-                         std::size_t colon_decimals) {
-  const auto word = std::ranges::find_if(cells, [&](std::string_view cell) {
-    return cell != "n/a" && !words_of(cell).empty() && !time_of(cell, unit_s, colon_decimals);
-  });
-  return word == cells.end() ? std::string_view{} : *word;
+std::string_view word_in(const EventLine& line, const EventTimes& times) {
+  for (std::size_t c = 0; c < line.cells.size(); ++c) {
+    const std::string_view cell = line.cells[c];
+    if (cell != "n/a" && !words_of(cell).empty() && !times.of(line, c)) return cell;
+  }
+  return {};
 }
 
 /// What a line says: that of its first cell with such a word, as a cell behind it may be a remark.
-std::optional<bool> pressed_in(std::string_view line, const std::vector<std::string_view>& cells) {
-  if (line.find_first_of(";\t,") == std::string_view::npos) return pressed_by(words_of(line));
-  for (const std::string_view cell : cells) {
+std::optional<bool> pressed_in(const EventLine& line) {
+  if (line.text.find_first_of(";\t,") == std::string_view::npos)
+    return pressed_by(words_of(line.text));
+  for (const std::string_view cell : line.cells) {
     if (const auto pressed = pressed_by(words_of(cell))) return pressed;
   }
   return std::nullopt;
 }
 
-std::size_t colon_decimals_in(std::string_view text) {
-  std::vector<std::string_view> cells;
-  while (!text.empty()) {
-    for (const std::string_view cell : split_cells(trimmed(take_front(text, '\n'))))
-      cells.push_back(cell);
-  }
-  return colon_decimals(cells);
-}
-
 MarkerLines read_lines(std::string_view text, std::string_view where, double unit_s) {
-  const std::size_t decimals = colon_decimals_in(text);
+  const std::vector<EventLine> lines = event_lines(text);
+  const EventTimes times(lines, unit_s);
   MarkerLines read;
-  std::optional<std::size_t> column;
-  bool first = true;  // of the lines that are neither blank nor remarks: it may be a header
-  std::size_t number = 0;
-  while (!text.empty()) {
-    const std::string_view line = trimmed(take_front(text, '\n'));
-    ++number;
-    if (line.empty() || line.front() == '#') continue;
-    const std::vector<std::string_view> cells = split_cells(line);
-    if (std::exchange(first, false)) {
-      column = time_column(cells);
-      if (column) continue;
-    }
-    const std::optional<bool> pressed = pressed_in(line, cells);
+  for (std::size_t i = times.column ? 1 : 0; i < lines.size(); ++i) {
+    const EventLine& line = lines[i];
+    const std::optional<bool> pressed = pressed_in(line);
     if (!pressed) {
-      const std::string_view word = word_in(cells, unit_s, decimals);
-      if (!word.empty()) read.others.push_back({word, number});
+      const std::string_view word = word_in(line, times);
+      if (!word.empty()) read.others.push_back({word, line.number});
       continue;
     }
     std::optional<double> time_s;
     std::size_t at = 0;
-    for (std::size_t c = 0; c < cells.size() && !time_s; ++c) {
-      if (!column || *column == c) time_s = time_of(cells[at = c], unit_s, decimals);
+    for (std::size_t c = 0; c < line.cells.size() && !time_s; ++c) {
+      if (!times.column || *times.column == c) time_s = times.of(line, at = c);
     }
     if (!time_s || std::abs(*time_s) > 1e11) {
-      throw std::invalid_argument(
-          fmt::format("{}:{}: expected a time beside '{}'", where, number, line.substr(0, 60)));
+      throw std::invalid_argument(fmt::format("{}:{}: expected a time beside '{}'", where,
+                                              line.number, line.text.substr(0, 60)));
     }
-    read.markers.push_back({{microseconds(*time_s), *pressed}, number, cells[at]});
+    read.markers.push_back({{microseconds(*time_s), *pressed}, line.number, line.cells[at]});
   }
   return read;
 }

@@ -247,15 +247,34 @@ TEST(TableTime, BehindAThirdColonIsAWholeNumberOfMillisecondsOrMicroseconds) {
 }
 
 // The same text was read in the column of the time.
-TEST(Markers, OfMillisecondsBehindAColonNeedNoZerosBeforeThem) {
+TEST(Markers, OfMillisecondsBehindAColonNeedNoZerosBeforeThemUnderAHeader) {
   const auto read = [](const std::string& text) { return parse_markers(text, "m.csv", 1.0); };
-  for (const char* more : {"", "12:00:00:993 end\n"}) {
-    const auto found = read(std::string("12:00:01:7 grab\n12:00:03:962 release\n") + more);
+  for (const char* more : {"", "12:00:00:993,end\n", "# from 12:00:01:000250\n"}) {
+    const auto found =
+        read(std::string("time,what\n12:00:01:7,grab\n12:00:03:962,release\n") + more);
     EXPECT_EQ(found.at(0).time, Time{43'201'007'000}) << more;
     EXPECT_EQ(found.at(1).time, Time{43'203'962'000}) << more;
   }
   // Of frames.
-  EXPECT_THAT(complaint([&] { read("12:00:01:7 grab\n12:00:03:21 release\n"); }),
+  EXPECT_THAT(complaint([&] { read("time,what\n12:00:01:7,grab\n12:00:03:21,release\n"); }),
+              HasSubstr("m.csv:2: expected a time beside"));
+}
+
+// Remarks and numbers of frames said how the milliseconds in another column were read.
+TEST(Markers, WithoutAHeaderAreReadCellByCell) {
+  const auto times = [](const std::string& text) {
+    std::vector<Time> found;
+    for (const Stamped<bool>& marker : parse_markers(text, "m.csv", 1.0))
+      found.push_back(marker.time);
+    return found;
+  };
+  const std::vector<Time> both = {Time{43'201'280'000}, Time{43'202'731'000}};
+  EXPECT_EQ(times("12:00:01:280 grab\n12:00:02:731 release\n"), both);
+  EXPECT_EQ(times("# 12:00:01:000250\n12:00:01:280,grab\n12:00:02:731,release\n"), both);
+  EXPECT_EQ(times("12:00:01:280,grab,at 1:2:3:45\n12:00:02:731,release\n"), both);
+  EXPECT_EQ(times("12:00:01:280,12:00:01:07,grab\n12:00:02:731,12:00:02:12,release\n"), both);
+  EXPECT_EQ(times("12:00:01:07,12:00:01:280,grab\n12:00:02:12,12:00:02:731,release\n"), both);
+  EXPECT_THAT(complaint([&] { times("12:00:01:7 grab\n12:00:03:962 release\n"); }),
               HasSubstr("m.csv:1: expected a time beside"));
 }
 
