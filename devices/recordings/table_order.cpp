@@ -79,21 +79,33 @@ class OrdinarySteps {
       const double step = times_s_[i] - times_s_[i - 1];
       if (step != 0.0) steps.push_back(step);
     }
-    drop_bursts(steps);
+    drop_bursts(steps, row);
     for (double& step : steps) step = std::abs(step);
     const double usual = lower_quartile(steps);
     return usual > longest_s_ ? 0.0 : usual;
   }
 
-  /// Leaves the steps from one burst of rows to the next, where rows came in bursts. A single gap makes none, and
+  /// Leaves the steps from one burst of rows to the next, where rows come in bursts. A few gaps make none, and
   /// neither does a disorder.
-  static void drop_bursts(std::vector<double>& steps) {
+  void drop_bursts(std::vector<double>& steps, std::size_t row) const {
     constexpr double kLongestInside_s = 0.0025, kMostInside = 0.1;  // of the steps between bursts
     std::ranges::sort(steps);
     if (steps.size() < 2 || steps[1] < 0.0) return;
     const double between = steps[steps.size() - 2];
     const double inside = std::min(kLongestInside_s, kMostInside * between);
-    std::erase_if(steps, [&](double step) { return step >= 0.0 && step < inside; });
+    if (repeat(inside, row))
+      std::erase_if(steps, [&](double step) { return step >= 0.0 && step < inside; });
+  }
+
+  /// Whether steps as long as those between bursts come again and again above a row.
+  bool repeat(double long_s, std::size_t row) const {
+    constexpr std::size_t kOfLast = 60, kLeast = 5, kMostRows = 8;  // of a burst
+    const std::size_t among = std::min(row, kOfLast);
+    std::size_t found = 0;
+    for (std::size_t i = row - among + 1; i <= row; ++i) {
+      if (times_s_[i] - times_s_[i - 1] >= long_s) ++found;
+    }
+    return found >= kLeast && kMostRows * found >= among;
   }
 
   static constexpr std::size_t kRows = 20;

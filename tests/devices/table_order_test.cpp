@@ -38,7 +38,7 @@ using Row = std::optional<std::size_t>;
 
 // Only steps inside a burst counted as rows that follow each other, and two recordings were mixed.
 TEST(TableOrder, OfBurstsThatComeAgainIsThatOfTwoRecordings) {
-  for (const std::size_t rows : {1u, 2u, 3u, 4u, 6u}) {
+  for (const std::size_t rows : {1u, 2u, 3u, 4u, 6u, 8u}) {
     const std::vector<double> first = in_bursts(5.0, rows);
     EXPECT_EQ(starts_again(then(first, in_bursts(5.005, rows))), Row(first.size())) << rows;
     EXPECT_EQ(starts_again(then(first, in_bursts(5.0 + 60 * 0.0223, rows))), Row()) << rows;
@@ -82,6 +82,26 @@ TEST(TableOrder, OfLateRowsAndOfRowsInTurnsIsThatOfOneRecording) {
                       0.02 * static_cast<double>(i / blocks));
     }
     EXPECT_EQ(starts_again(turns), Row()) << blocks;
+  }
+}
+
+// Two gaps close to each other were taken for bursts, and their rows for a second recording.
+TEST(TableOrder, OfTwoGapsWhoseRowsComeLaterIsThatOfOneRecording) {
+  for (const double step_s : {0.001, 0.002, 0.005}) {
+    for (const std::size_t gap : {12u, 20u, 30u}) {
+      for (const std::size_t apart : {3u, 8u, 15u}) {
+        const std::vector<double> all = at_rate(3.0, 3000, step_s);
+        std::vector<double> arrived, late;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+          const bool lost = (i >= 1000 && i < 1000 + gap) ||
+                            (i >= 1000 + gap + apart && i < 1000 + 2 * gap + apart);
+          (lost ? late : arrived).push_back(all[i]);
+        }
+        const auto after = arrived.begin() + 1000 + static_cast<std::ptrdiff_t>(1.0 / step_s);
+        arrived.insert(after, late.begin(), late.end());
+        EXPECT_EQ(starts_again(arrived), Row()) << step_s << ' ' << gap << ' ' << apart;
+      }
+    }
   }
 }
 
