@@ -264,7 +264,7 @@ class TableMotion {
       if (back > by) by = back, furthest = rows_[i].second->line;
     }
     std::ranges::stable_sort(rows_, {}, [](const auto& row) { return row.first; });
-    note(unordered, fmt::format("rows are earlier than the row before (the furthest by {:.3g} s, "
+    note(unordered, fmt::format("rows are earlier than the row before (the furthest by {:.3f} s, "
                                 "at line {}): put in order",
                                 seconds(by), furthest));
     // A catalogue's file that begins later was cut out of a longer one.

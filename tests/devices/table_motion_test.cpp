@@ -405,8 +405,15 @@ TEST(TableTime, OfRowsThatAreEarlierIsSaidByHowMuchAndWhere) {
   std::vector<double> times = joined(times_from(0.0, 100), times_from(-8.0, 60));
   std::swap(times[10], times[11]);
   EXPECT_THAT(parse_motion_table(at_times(times), "t.csv", {}).notes,
-              Contains("2 rows are earlier than the row before (the furthest by 9.98 s, at line "
+              Contains("2 rows are earlier than the row before (the furthest by 9.980 s, at line "
                        "102): put in order"));
+  const std::string resting = ",0,1.6,0,1,0,0,0,0.2,1,0,1,0,0,0\n";
+  std::string text = "time_s," + kPoses + "\n";
+  for (const double t : joined(times_from(3600.0, 100), times_from(0.0, 60)))
+    text += fmt::format("{:.3f}{}", t, resting);
+  EXPECT_THAT(parse_motion_table(text, "t.csv", {}).notes,
+              Contains("1 rows are earlier than the row before (the furthest by 3601.980 s, at "
+                       "line 102): put in order"));
 }
 
 }  // namespace
