@@ -1,5 +1,9 @@
 #include <memory>
 #include <optional>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -33,6 +37,24 @@ struct PlanOptions {
   std::string replace;
   bool design_given = false, json = false;
 };
+
+/// Refuses a target of the study that one of these files is already.
+void check_not_from(const fs::path& target, const std::vector<fs::path>& sources) {
+  for (const fs::path& source : sources) {
+    std::error_code unknown;
+    if (!fs::equivalent(source, target, unknown)) continue;
+    throw std::runtime_error(fmt::format(
+        "{}: the study writes a file of this name: give yours another name", target.string()));
+  }
+}
+
+/// Refuses a target of the study that has other text, before any is written.
+void check_target(const fs::path& target, const std::string& text,
+                  const std::vector<fs::path>& sources) {
+  if (!fs::exists(target) || read_study_file(target) == text) return;
+  check_not_from(target, sources);
+  throw base::Exists(target.string() + ": exists already");
+}
 
 /// Writes a file of a study. An interrupted earlier run may have written it already.
 void write_once(const fs::path& path, const std::string& text) {
@@ -93,15 +115,19 @@ void begin_study(const StudyFolder& at, const PlanOptions& options) {
   } else if (options.seed && options.seed != design.seed) {
     throw UsageError(fmt::format("--seed: {} has the seed {}", source.string(), *design.seed));
   }
+  const std::vector<fs::path> sources = {source, asked, played};
   // A killed plan leaves the first of these, and a study that lost its design has all of them.
   base::require_no_foreign(at.root,
                            {"design.toml", "questionnaire.toml", "scenario.toml", "plan.csv",
                             "sessions/", "answers/", "tables/", "analysis/", "model.R"},
-                           {source, asked, played});
+                           sources);
+  const std::string room = scene::to_toml(scenario);
+  check_target(at.questionnaire(), questions, sources);
+  check_target(at.scenario(), room, sources);
   fs::create_directories(at.root);
   base::remove_left_parts(at.root.string());
   write_once(at.questionnaire(), questions);
-  write_once(at.scenario(), scene::to_toml(scenario));
+  write_once(at.scenario(), room);
   check_stop();
   base::write_text({at.design().string(), {}}, text);
 }
@@ -160,6 +186,9 @@ void plan_study(const PlanOptions& options) {
                     at.root.string()));
   }
   if (new_one) begin_study(at, options);
+  if (options.design_given && !fs::exists(at.plan())) {
+    check_not_from(at.design(), {bundled("designs", options.design)});  // not a study's own
+  }
   const StudyLock lock(at.design(), "planning this study");
   base::remove_left_parts(at.root.string());
   if (!fs::exists(at.plan())) {  // a new study, or interrupted before the plan was written

@@ -1,5 +1,7 @@
 // Studies and sweeps that are planned in the folder of what they are made from.
 
+#include <iterator>
+
 #include "tests/apps/command_line.h"
 
 namespace headpin {
@@ -19,6 +21,32 @@ class PlannedInPlace : public CommandLine {
     fs::copy_file(HEADPIN_SOURCE_DIR "/assets/" + asset, folder_ / name);
   }
 
+  /// Writes the bundled design with these files to mine/NAME.
+  void write_design(const std::string& name, const std::string& questionnaire,
+                    const std::string& scenario) const {
+    std::string text = slurp(HEADPIN_SOURCE_DIR "/assets/designs/uno-slater-1997.toml");
+    const auto rename = [&](const std::string& key, const std::string& file) {
+      const auto at = text.find("\n" + key + " = ") + 1;
+      ASSERT_NE(at, 0u) << key;
+      text.replace(at, text.find('\n', at) - at, key + " = '" + file + "'");
+    };
+    rename("questionnaire", questionnaire);
+    rename("scenario", scenario);
+    spit(folder_ / "mine" / name, text);
+  }
+
+  /// Expects that planning from mine/DESIGN is refused because of mine/NAME, and writes nothing.
+  void expect_refused_as_own(const std::string& design, const std::string& name) const {
+    const auto entries = [&] {
+      return std::distance(fs::directory_iterator(folder_ / "mine"), fs::directory_iterator());
+    };
+    const auto before = entries();
+    expect_refusal(
+        "experiment plan -o mine --design mine/" + design, 1,
+        "mine/" + name + ": the study writes a file of this name: give yours another name\n");
+    EXPECT_EQ(entries(), before) << design;
+  }
+
   /// Expects a refusal that writes nothing while a file lies there that is not named.
   void expect_refused_with_others(const std::string& command, const std::string& written) const {
     spit(folder_ / "mine/main.cpp", "int main() {}\n");
@@ -32,15 +60,7 @@ class PlannedInPlace : public CommandLine {
 
 // The researcher's own design stands in the study's folder, with the questionnaire beside it.
 TEST_F(PlannedInPlace, AStudyWithItsDesignQuestionnaireAndScenario) {
-  std::string text = slurp(HEADPIN_SOURCE_DIR "/assets/designs/uno-slater-1997.toml");
-  const auto rename = [&](const std::string& key, const std::string& file) {
-    const auto at = text.find("\n" + key + " = ") + 1;
-    ASSERT_NE(at, 0u) << key;
-    text.replace(at, text.find('\n', at) - at, key + " = '" + file + "'");
-  };
-  rename("questionnaire", "./asked.toml");
-  rename("scenario", "./played/lane.toml");
-  spit(folder_ / "mine/my-design.toml", text);
+  write_design("my-design.toml", "./asked.toml", "./played/lane.toml");
   bring("questionnaires/uno-slater-1997.toml", "mine/asked.toml");
   bring("scenarios/uno-slater-1997.toml", "mine/played/lane.toml");
   const std::string command = "experiment plan -o mine --design mine/my-design.toml";
@@ -60,6 +80,33 @@ TEST_F(PlannedInPlace, ASweepWithItsTrials) {
   const Result planned = headpin(command);
   EXPECT_EQ(planned.code, 0) << planned.err;
   EXPECT_TRUE(fs::exists(folder_ / "mine/rows.csv"));
+}
+
+// It was taken for a study's own design, and plan.csv was left in a folder that is no study.
+TEST_F(PlannedInPlace, ADesignWithTheNameOfTheStudysIsRefused) {
+  write_design("design.toml", "./asked.toml", "./lane.toml");
+  bring("questionnaires/uno-slater-1997.toml", "mine/asked.toml");
+  bring("scenarios/uno-slater-1997.toml", "mine/lane.toml");
+  expect_refused_as_own("design.toml", "design.toml");
+  fs::rename(folder_ / "mine/design.toml", folder_ / "mine/my-design.toml");
+  const Result planned = headpin("experiment plan -o mine --design mine/my-design.toml");
+  EXPECT_EQ(planned.code, 0) << planned.err;
+  const Result again = headpin("experiment plan -o mine");
+  EXPECT_EQ(again.code, 0) << again.err;
+  const Result named = headpin("experiment plan -o mine --design mine/design.toml");
+  EXPECT_EQ(named.code, 0) << named.err;
+}
+
+// It was refused after questionnaire.toml was written.
+TEST_F(PlannedInPlace, AScenarioOrDesignWithTheNameOfAnotherFileOfTheStudyIsRefused) {
+  bring("questionnaires/uno-slater-1997.toml", "mine/asked.toml");
+  bring("scenarios/uno-slater-1997.toml", "mine/scenario.toml");
+  write_design("my-design.toml", "./asked.toml", "./scenario.toml");
+  expect_refused_as_own("my-design.toml", "scenario.toml");
+  fs::rename(folder_ / "mine/scenario.toml", folder_ / "mine/lane.toml");
+  write_design("questionnaire.toml", "./asked.toml", "./lane.toml");
+  fs::remove(folder_ / "mine/my-design.toml");
+  expect_refused_as_own("questionnaire.toml", "questionnaire.toml");
 }
 
 }  // namespace
