@@ -65,6 +65,14 @@ Way way(const Reading& from, const Reading& to) {
   return {(to.p - from.p).norm(), turn(from.R, to.R)};
 }
 
+/// Whether this motion near `p_TS` could hide what a wrong form does: inches for centimetres put a receiver off
+/// by 0.6 of its distance, and wrong axes turn it by a right angle.
+bool hides_faults(const Way& motion, const Vec3& p_TS) {
+  constexpr double kFar = 0.05, kShare = 0.5;  // m, and of the distance
+  constexpr double kTurned = 1.0;              // as turn()
+  return motion.far > kFar + kShare * p_TS.norm() || motion.turned > kTurned;
+}
+
 /// What differs between a reading and those before and after it by more than noise and this motion;
 /// empty if nothing does.
 std::string difference(const Reading& before, const Reading& read, const Reading& after,
@@ -126,8 +134,12 @@ void same_pose(const Compared& one, const std::vector<Compared>& all, FastrakDem
     const auto found = [&](const Way& motion) {
       return difference(one.before[i], one.read[i], one.after[i], motion);
     };
-    const std::string differs = found(way(one.before[i], one.after[i]));
-    if (differs.empty()) continue;
+    const Way gone = way(one.before[i], one.after[i]);
+    const std::string differs = found(gone);
+    if (differs.empty()) {
+      moves = moves || hides_faults(gone, 0.5 * (one.before[i].p + one.after[i].p));
+      continue;
+    }
     const Way usual = usual_way(all, i);
     if (found({2.0 * usual.far, 2.0 * usual.turned}).empty()) {
       moves = true;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <functional>
 #include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,8 +16,9 @@ namespace {
 /// A unit in simulated time, whose readings a test changes.
 class ChangedReadings : public FastrakLine {
  public:
-  explicit ChangedReadings(const FastrakEmulatorOptions& options)
-      : emulator_(options, still_motion) {}
+  explicit ChangedReadings(const FastrakEmulatorOptions& options,
+                           FastrakMotion motion = still_motion)
+      : emulator_(options, std::move(motion)) {}
 
   void put(std::string_view text) override {
     emulator_.receive(Bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()), now_);
@@ -30,7 +32,7 @@ class ChangedReadings : public FastrakLine {
     }
     std::string told = heard_.substr(0, enough);
     heard_.erase(0, told.size());
-    if (sent() == "P") change(told);
+    if (sent() == "P" && change) change(told);
     return told;
   }
   void flush() override { heard_.clear(); }
@@ -62,6 +64,33 @@ TEST(FastrakReadingsTest, OneWrongReadingDoesNotExcuseTheRest) {
   const auto unmet = std::ranges::find(demands, false, &FastrakDemand::met);
   ASSERT_NE(unmet, demands.end());
   EXPECT_THAT(unmet->what, testing::StartsWith("as a quaternion the pose that"));
+}
+
+// What every pair of readings may explain passed as agreement, however far the receiver had gone.
+TEST(FastrakReadingsTest, ReceiversThatAlwaysMoveFarTellNothing) {
+  FastrakEmulatorOptions options;
+  options.receivers = 1;
+  options.faults = parse_faults("noise=0");
+  const auto moves = [&options](const FastrakMotion& motion) {
+    ChangedReadings line(options, motion);
+    FastrakDemands demands;
+    examine_readings(line, demands);
+    for (const FastrakDemand& demand : demands) EXPECT_TRUE(demand.met) << demand.found;
+    return std::ranges::any_of(demands, &FastrakDemand::receivers_move);
+  };
+  EXPECT_TRUE(moves([](int station, Time time) {
+    FastrakTruth truth = still_motion(station, time);
+    truth.X_TS.q = rotation(Vec3(0.0, 0.0, 12.0 * seconds(time)));
+    return truth;
+  }));
+  EXPECT_TRUE(moves([](int station, Time time) {
+    FastrakTruth truth = still_motion(station, time);
+    truth.X_TS.p.y() += 4.0 * seconds(time) - 2.0;  // past the transmitter
+    return truth;
+  }));
+  EXPECT_FALSE(moves(still_motion));
+  options.receivers = 2;
+  EXPECT_FALSE(moves(circling_motion));  // as `emulate` does by default
 }
 
 }  // namespace
