@@ -223,9 +223,9 @@ std::size_t TcpServer::read(std::span<std::uint8_t> out) {
 std::size_t TcpServer::write(Bytes bytes) {
   accept_newcomer();
   if (client_ < 0 || bytes.empty()) return bytes.size();
-  last_offered_ = std::chrono::steady_clock::now();
   bool gone = false;
   const std::size_t n = send_some(client_, bytes, &gone);
+  if (n > 0) last_offered_ = std::chrono::steady_clock::now();
   if (gone) hang_up();
   return gone ? bytes.size() : n;
 }

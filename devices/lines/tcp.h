@@ -60,7 +60,7 @@ class TcpServer : public ByteStream {
   int listener_ = -1;
   int client_ = -1;
   bool sends_no_more_ = false;                            ///< the client
-  std::chrono::steady_clock::time_point last_offered_{};  ///< when bytes were last written for it
+  std::chrono::steady_clock::time_point last_offered_{};  ///< when it last took bytes
   std::string address_;
   int port_ = 0;
 };
