@@ -98,9 +98,17 @@ bool is_foreign(int folder, const std::string& name, const std::set<std::string>
   return !(file && is_regular(folder, name)) && !names.contains(name + "/");
 }
 
-/// Whether an entry tells of the folder that it is in.
-bool tells_of_its_folder(const std::string& name) {
-  return name.starts_with('.') || name.starts_with("README") || name.starts_with("LICENSE");
+/// Whether an entry of an open folder tells of it: a hidden one, or a file or link such as
+/// readme.md.
+bool tells_of_its_folder(int folder, const std::string& entry) {
+  if (entry.starts_with('.')) return true;
+  std::string name = entry;
+  for (char& c : name) c = 'A' <= c && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  constexpr std::array<std::string_view, 4> kBegins = {"readme", "license", "licence", "copying"};
+  const auto begins = [&name](std::string_view one) { return name.starts_with(one); };
+  struct stat is {};
+  return std::ranges::any_of(kBegins, begins) &&
+         fstatat(folder, entry.c_str(), &is, AT_SYMLINK_NOFOLLOW) == 0 && !S_ISDIR(is.st_mode);
 }
 
 /// The entries of a folder that these files are, or lie in.
@@ -181,7 +189,7 @@ void require_no_foreign(const fs::path& folder, const std::set<std::string>& nam
   try {
     const std::set<std::string> known = entries_with(folder, given);
     for (const std::string& name : entries(opened)) {
-      if (tells_of_its_folder(name) || known.contains(name)) continue;
+      if (tells_of_its_folder(opened, name) || known.contains(name)) continue;
       if (is_foreign(opened, name, names)) foreign.insert(name);
     }
   } catch (...) {

@@ -30,7 +30,8 @@ std::string find_foreign(int folder, const std::set<std::string>& names);
 [[noreturn]] void fail_of_foreign(const std::string& folder, const std::string& name);
 
 /// Refuses to begin in a folder that holds something of others. Hidden files, such as `.git`, may be
-/// there, and README and LICENSE files. A folder that does not exist is as good as an empty one.
+/// there, and files whose names begin with readme, license, licence or copying in any case. A folder
+/// that does not exist is as good as an empty one.
 ///
 /// @param names  what belongs there: a file, or a folder with `/` at its end
 /// @param given  files to begin from; those that lie there may stay, also in a folder of it

@@ -268,5 +268,17 @@ TEST(WorkFolderTest, WhenAnyCallOfItsMakingFailsAllIsAsBefore) {
   }
 }
 
+TEST(WorkFolderTest, FilesThatTellOfAFolderAreNotForeign) {
+  const TemporaryFolder folder;
+  for (const char* name : {"README.md", "readme.txt", "LICENSE", "Licence.md", "COPYING", ".git"}) {
+    spit(folder / name, "theirs");
+  }
+  fs::create_symlink("docs/README.md", folder / "README");
+  const auto begun = [&] { require_no_foreign(folder.path(), {}); };
+  EXPECT_EQ(complaint(begun), "");
+  fs::create_directory(folder / "readme-pictures");
+  EXPECT_THAT(complaint(begun), HasSubstr("holds readme-pictures, which headpin did not write"));
+}
+
 }  // namespace
 }  // namespace headpin::base
