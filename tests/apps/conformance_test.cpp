@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
+#include <stop_token>
 #include <thread>
 #include <utility>
 
@@ -17,11 +17,15 @@
 namespace headpin {
 namespace {
 
-/// A line that counts the readings (P) that were answered. The receivers move after each.
+/// A line that counts the readings (P) of a try that were answered. The receivers move after each.
 class CountedReadings : public devices::ByteStream {
  public:
   std::size_t read(std::span<std::uint8_t> out) override {
     const std::size_t n = server.read(out);
+    if (std::ranges::count(out.first(n), std::uint8_t{'W'}) > 0) {  // a try begins
+      answered = 0;
+      asked_ = false;
+    }
     asked_ |= std::ranges::count(out.first(n), std::uint8_t{'P'}) > 0;
     return n;
   }
@@ -52,10 +56,9 @@ TEST_F(CommandLine, ConformanceFailsWhereReceiversMoveTooFarToTellAnything) {
     truth.X_TS.q = rotation(kTurned[line.answered % kTurned.size()] * Vec3::UnitZ());
     return truth;
   });
-  std::atomic<bool> over = false;
-  std::thread serving([&] {
+  std::jthread serving([&](const std::stop_token& over) {
     const auto start = std::chrono::steady_clock::now();
-    while (!over) {
+    while (!over.stop_requested()) {
       devices::serve(unit, line,
                      std::chrono::duration_cast<Time>(std::chrono::steady_clock::now() - start));
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -63,7 +66,7 @@ TEST_F(CommandLine, ConformanceFailsWhereReceiversMoveTooFarToTellAnything) {
   });
   const Result result =
       headpin("conformance " + line.server.name() + " --client VESS --seconds 0.5 --json");
-  over = true;
+  serving.request_stop();
   serving.join();
   EXPECT_EQ(result.code, 1) << result.err;
   EXPECT_THAT(result.err, testing::HasSubstr("of the readings: hold the receivers still\n"));
