@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <string>
 #include <utility>
@@ -85,7 +86,7 @@ TEST(FastrakReadingsTest, ReceiversThatAlwaysMoveFarTellNothing) {
   }));
   EXPECT_TRUE(moves([](int station, Time time) {
     FastrakTruth truth = still_motion(station, time);
-    truth.X_TS.p.y() += 4.0 * seconds(time) - 2.0;  // past the transmitter
+    truth.X_TS.p = Vec3(0.1, 0.5 * std::sin(20.0 * seconds(time)), 0.1);  // back and forth
     return truth;
   }));
   EXPECT_FALSE(moves(still_motion));
