@@ -343,8 +343,8 @@ test('answers that are changed after the reply to the first ones was lost are no
 });
 
 test('the answers cannot be sent again while they are sent', async () => {
-  headpin('experiment', 'plan', '-o', 'twice');
-  const server = await serving('twice');
+  headpin('experiment', 'plan', '-o', 'sent-once');
+  const server = await serving('sent-once');
   const context = await contextOf();
   const { page } = await openGame(context, server.links[0]);
   await startGame(page);
