@@ -33,7 +33,6 @@ constexpr std::array<std::pair<int, speed_t>, 7> kRates = {{{2400, B2400},
                                                             {115200, B115200}}};
 
 [[noreturn]] void fail(const std::string& what) {
-  if (errno == EADDRINUSE) throw base::Busy(what + ": " + std::strerror(errno));
   throw std::runtime_error(what + ": " + std::strerror(errno));
 }
 
