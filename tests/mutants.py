@@ -1,11 +1,12 @@
 #!/usr/bin/python3
 """Puts faults into sources, one at a time, and lists those that the tests of their room do not notice.
 
-usage: mutants.py [--since COMMIT] [--most N] [--longest S] [FILES]
+usage: mutants.py [--since COMMIT] [--most N] [--longest S] [--jobs N] [FILES]
 
 FILES are sources (.cpp) of one folder: base, devices, engine, render, scene or study; without them, those that changed since
 COMMIT (HEAD). Whatever their room is, the tests are those of the folder.
 --most takes N of the faults, evenly spread. --longest leaves out the tests that take more than S seconds.
+--jobs tries N faults at a time (default: one for each core); more are quicker where tests wait for time to pass.
 
 A fault is one operator, statement or condition that is another: see `edits`. libclang says where they are; all are put into
 a copy of the sources as switches, so that the copy is built once, and a run of the tests turns one of them on: of those that
@@ -13,6 +14,7 @@ come by it, first those that come by few others, then the quick ones. What no te
 """
 
 import argparse
+import ctypes
 import concurrent.futures
 import filecmp
 import fnmatch
@@ -199,6 +201,16 @@ def build(top, rooms):
     return ""
 
 
+def nothing_can_be_written():
+    """Makes all but /dev and /proc read-only for this process and what it starts: a fault may remove what it should not."""
+    if ctypes.CDLL(None, use_errno=True).unshare(0x00020000) != 0:  # CLONE_NEWNS
+        raise SystemExit("expected to get mounts of its own: " + os.strerror(ctypes.get_errno()))
+    subprocess.run(["mount", "--make-rprivate", "/"], check=True)
+    for target in subprocess.run(["findmnt", "-rno", "TARGET"], check=True, capture_output=True, text=True).stdout.splitlines():
+        if not re.match(r"/(proc|dev|sys)", target):
+            subprocess.run(["mount", "-o", "remount,ro,bind", target], check=False, stderr=subprocess.DEVNULL)
+
+
 def program_of(name):
     return os.path.abspath(f"{COPY}/build/tests/{name}/{name}_test")
 
@@ -208,11 +220,8 @@ def run_tests(name, tests, environment, limit_s):
     @return  whether all of these passed; what was said"""
     words = [program_of(name), "--gtest_brief=1", "--gtest_fail_fast", "--gtest_filter=" + ":".join(tests)]
     words = ["bash", "-c", f"ulimit -v 8000000; ulimit -t {limit_s}; exec timeout -k 5 {6 * limit_s} \"$@\"", "-", *words]
-    if os.geteuid() == 0:  # a fault may remove what it should not
-        words = ["unshare", "-m", "bash", "-c",
-                 "findmnt -rno TARGET | grep -vE '^/(proc|dev|sys)' | while read -r at; do "
-                 "mount -o remount,ro,bind \"$at\" 2>/dev/null; done; "
-                 "mount -t tmpfs none /tmp || exit 9; exec \"$@\"", "-", *words]
+    if os.geteuid() == 0:  # its own /tmp: see nothing_can_be_written
+        words = ["unshare", "-m", "bash", "-c", "mount -t tmpfs none /tmp || exit 9; exec \"$@\"", "-", *words]
     done = subprocess.run(words, env={**os.environ, **environment}, capture_output=True, stdin=subprocess.DEVNULL, check=False)
     return done.returncode == 0, done.stdout + done.stderr
 
@@ -299,10 +308,10 @@ def state_of(number, tests):
     return "SURVIVED"
 
 
-def try_all(mutants, room, longest):
+def try_all(mutants, room, longest, jobs):
     """@return  by number, what became of it"""
     states = {}
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         which = [(name, test) for name in TESTS[room] for test in names_of(name)]
         alone = pool.map(lambda one: tried_alone(*one), which)
         tests = [(name, test, *tried) for (name, test), tried in zip(which, alone)]
@@ -321,6 +330,7 @@ def main():
     parser.add_argument("--since", default="HEAD")
     parser.add_argument("--most", type=int, default=0)
     parser.add_argument("--longest", type=float, default=1e9)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("files", nargs="*")
     options = parser.parse_args()
     os.chdir(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
@@ -337,7 +347,9 @@ def main():
     wrong = build(top, rooms)
     if wrong:
         raise SystemExit("with the faults in it, it does not build:\n" + wrong[-4000:])
-    states = list(try_all(mutants, rooms[0], options.longest).values())
+    if os.geteuid() == 0:
+        nothing_can_be_written()
+    states = list(try_all(mutants, rooms[0], options.longest, options.jobs).values())
     count = {state: states.count(state) for state in ("noticed", "SURVIVED", "no test came by")}
     print(f"{rooms[0]}: {len(states)} faults, {count['noticed']} noticed ({100 * count['noticed'] / max(1, len(states)):.0f} %), "
           f"{count['SURVIVED']} survived, {count['no test came by']} where no test came by")
