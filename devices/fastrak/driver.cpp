@@ -138,7 +138,6 @@ void FastrakDriver::start_over(Time now) {
 void FastrakDriver::try_again(Time now) {
   ++attempt_;
   ++statistics_.attempts;
-  drain();
   to_say_.clear();
   may_speak_ = now;
   // Rounds of eight attempts: stop the unit, end a half-typed line, re-initialise it, then repeat
@@ -183,7 +182,7 @@ void FastrakDriver::ask_next(Time now) {
 void FastrakDriver::start_stream(Time now) {
   say(stream_commands(options_));
   const auto stations = static_cast<int>(std::count(active_.begin(), active_.end(), true));
-  if (clock_) sequence_before_ += clock_->record() / std::max(1, stations) + 1;
+  sequence_before_ = next_sequence_;
   clock_.emplace(stations, byte_time(), fastrak_record_length(formats_[0]), clocks_, cycles_);
   in_step_ = true;
   last_record_ = now;
@@ -229,7 +228,6 @@ bool FastrakDriver::set_up(Time now) {
   for (std::uint8_t& byte : seven_bits) byte &= 0x7F;
   unit_ = find_answer(seven_bits, kFastrakStatusLength, decode_status);
   if (!unit_) return false;
-  drain();
   say(setup_commands(options_));
   if (baud_ != options_.baud) {
     say({std::string("o").append(std::to_string(options_.baud / 100)).append(",N,8,0\r")});
@@ -350,6 +348,7 @@ void FastrakDriver::hand_out(Time now, std::vector<Sample>& out) {
     sample.device_time = *measured;
     sample.host_time = arrivals[i];
     sample.sequence = sequence_before_ + clock_->record() / stations;
+    next_sequence_ = sample.sequence + 1;
     sample.station = record.station;
     sample.X_TS = pose_of(record, formats_[0]);
     sample.status = record.error;

@@ -131,6 +131,7 @@ class FastrakDriver : public Source {
   ClockId cycles_;  ///< the unit's clock
   std::optional<FastrakClock> clock_;
   std::int64_t sequence_before_ = 0;  ///< start of counting after a restart
+  std::int64_t next_sequence_ = 0;    ///< after the last sample
   Time last_record_{};
 };
 

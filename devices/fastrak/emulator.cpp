@@ -443,7 +443,6 @@ void FastrakEmulator::immediate(char command, Time now) {
       return stream();
     case 'c':
       memory_.setup.continuous = false;
-      switched_off_ = false;
       return sending_.drop_unsent(true);
     case 'S':
       if (++status_requests_ > options_.faults.deaf) reply(encode_status(status(now)), now);

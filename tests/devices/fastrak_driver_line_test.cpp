@@ -31,7 +31,7 @@ using testing::IsEmpty;
 using testing::Not;
 using testing::StartsWith;
 
-Bytes bytes_of(std::string_view text) {
+Bytes line_bytes(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
@@ -137,7 +137,8 @@ std::vector<Attempt> attempts_of(Alone& alone, std::int64_t count) {
     alone.driver.poll(alone.now += 5ms, alone.samples);
     if (alone.driver.statistics().attempts > before) {
       if (before == count) return attempts;
-      attempts.push_back({alone.watch.rates.back(), "", Time{}});
+      const int rate = alone.watch.rates.empty() ? 0 : alone.watch.rates.back();
+      attempts.push_back({rate, "", Time{}});
       alone.watch.said.erase(0, before == 0 ? 0 : attempts[attempts.size() - 2].said.size());
     }
     attempts.back().said = alone.watch.said;
@@ -195,6 +196,7 @@ TEST(FastrakDriverLineTest, AUnitAtAnotherRateIsFoundAndSetToTheLines) {
   Bench bench(options, {}, watched(watch));
   watch.unit_rate = [&] { return bench.emulator.baud(); };
   ASSERT_TRUE(bench.run_until_streaming());
+  EXPECT_EQ(bench.driver.statistics().attempts, 11);  // the first one at the unit's rate
   EXPECT_EQ(bench.emulator.baud(), 115200);
   EXPECT_EQ(watch.rates.back(), 115200);
   bench.run(1s);
@@ -300,22 +302,44 @@ TEST(FastrakDriverLineTest, WhatIsUnconfirmedIsOfTheLastStart) {
 
 // --- Records -------------------------------------------------------------------------------------
 
+/// Each station's samples are numbered on, whatever came between.
+void expect_numbered_on(const std::vector<Sample>& samples) {
+  std::array<std::optional<std::int64_t>, kFastrakStations> last;
+  for (const Sample& sample : samples) {
+    const TrackerSample& s = tracker(sample);
+    auto& before = last[static_cast<std::size_t>(s.station - 1)];
+    if (before) {
+      EXPECT_THAT(s.sequence - *before, testing::AnyOf(1, 2));  // a stream may end in mid-turn
+    }
+    before = s.sequence;
+  }
+  EXPECT_GT(last[0].value_or(0), 200);
+}
+
 TEST(FastrakDriverLineTest, ARestartGoesOnCountingWhereItWas) {
   Bench bench(unit("noise=0"), {});
   ASSERT_TRUE(bench.run_until_streaming());
   bench.run(3s);
   let_it_restart(bench);
   bench.run(1s);
-  std::array<std::optional<std::int64_t>, 2> last;
-  for (const Sample& sample : bench.samples) {
-    const TrackerSample& s = tracker(sample);
-    auto& before = last[static_cast<std::size_t>(s.station - 1)];
-    if (before) {
-      EXPECT_THAT(s.sequence - *before, testing::AnyOf(1, 2));  // it may end in mid-turn
-    }
-    before = s.sequence;
+  expect_numbered_on(bench.samples);
+}
+
+// The records of the stream before were counted by the number of stations of the next one.
+TEST(FastrakDriverLineTest, SoItDoesWithAReceiverMoreOrLess) {
+  for (const char* faults : {"noise=0,unplug=2@0-5", "noise=0,unplug=2@5"}) {
+    SCOPED_TRACE(faults);
+    Bench bench(unit(faults), {});
+    ASSERT_TRUE(bench.run_until_streaming());
+    const auto stations = std::ranges::count(bench.driver.active(), true);
+    bench.run(6s - bench.now);
+    bench.emulator.power_cycle(bench.now);
+    bench.run(3s);
+    ASSERT_TRUE(bench.run_until_streaming());
+    EXPECT_NE(std::ranges::count(bench.driver.active(), true), stations);
+    bench.run(1s);
+    expect_numbered_on(bench.samples);
   }
-  EXPECT_GT(last[0].value(), 200);
 }
 
 TEST(FastrakDriverLineTest, TheFirstRecordNeedsNoOtherBehindIt) {
@@ -348,7 +372,7 @@ TEST(FastrakDriverLineTest, OutOfStepARecordWithAnotherBehindItGoesBeforeOneThat
   Bench bench(unit("noise=0", 1), options);
   ASSERT_TRUE(bench.run_until_streaming());
   bench.run(500ms);
-  bench.emulator.receive(bytes_of("c"), bench.now);
+  bench.emulator.receive(line_bytes("c"), bench.now);
   bench.run(400ms);
   bench.samples.clear();
   const std::int64_t skipped = bench.driver.statistics().skipped_bytes;
@@ -360,11 +384,11 @@ TEST(FastrakDriverLineTest, OutOfStepARecordWithAnotherBehindItGoesBeforeOneThat
     encode_record(record, {options.items, options.binary, options.centimetres}, records);
   }
   const std::string noise = "01k" + std::string(25, '\0');
-  bench.line->write(bytes_of("?"));
+  bench.line->write(line_bytes("?"));
   bench.run(2ms);
-  bench.line->write(bytes_of(std::string_view(noise).substr(0, 10)));
+  bench.line->write(line_bytes(std::string_view(noise).substr(0, 10)));
   bench.run(2ms);
-  bench.line->write(bytes_of(std::string_view(noise).substr(10)));
+  bench.line->write(line_bytes(std::string_view(noise).substr(10)));
   bench.line->write(records);
   bench.run(400ms);
   ASSERT_EQ(bench.samples.size(), 2u);

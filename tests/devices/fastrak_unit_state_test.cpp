@@ -1,4 +1,4 @@
-// What an emulated unit keeps and forgets at its start, while it saves and when its stream ends, and
+// What an emulated unit keeps and forgets at its start, while it saves and when its stream ends; and
 // what it does where a limit is met exactly.
 
 #include <array>
