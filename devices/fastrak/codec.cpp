@@ -32,10 +32,8 @@ struct Item {
   Content content = Content::none;
   Width width = Width::plain;
 
-  int values() const {
-    if (content == Content::quaternion) return 4;
-    return content >= Content::position && content <= Content::row3 ? 3 : 0;
-  }
+  /// Of an item that has numbers.
+  int values() const { return content == Content::quaternion ? 4 : 3; }
   /// Digits behind the point in plain ASCII.
   int decimals() const { return content <= Content::angles ? 2 : 4; }
 };

@@ -18,7 +18,7 @@ constexpr std::array<double, 3> kWidest7s = {kWidest7, kWidest7, kWidest7};
 constexpr std::array<double, 3> kWidest8s = {kWidest8, kWidest8, kWidest8};
 constexpr std::array<double, 3> kAngles = {180.0, 90.0, 180.0};
 
-/// Thrown inside a command; its field is counted from 0 after the letter.
+/// Thrown inside a command; its field, one of the line, is counted from 0 after the letter.
 struct RefusedField {
   FastrakRefusal why;
   std::size_t field;
@@ -272,7 +272,7 @@ std::string output_list(const Line& line, FastrakMemory& m) {
     }
     list.push_back(item);
   }
-  if (fastrak_record_length({list, false, false}) > kLongestRecord) {
+  if (fastrak_record_length({.items = list}) > kLongestRecord) {
     throw RefusedField{FastrakRefusal::buffer_limit, line.fields.size() - 1};
   }
   items = std::move(list);
@@ -416,9 +416,8 @@ std::string carry_out(std::string_view text, FastrakMemory& memory) {
   try {
     return command->carry_out(line, memory);
   } catch (const RefusedField& refused) {
-    const std::size_t position =
-        refused.field < line.starts.size() ? line.starts[refused.field] : text.size();
-    throw FastrakRefused{refused.why, refused.field, position, refused_station(line)};
+    throw FastrakRefused{refused.why, refused.field, line.starts[refused.field],
+                         refused_station(line)};
   }
 }
 

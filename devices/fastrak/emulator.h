@@ -64,7 +64,8 @@ struct FastrakEmulatorStatistics {
 /// - Refusals are answered in ASCII mode and silent in binary mode. A bare CR is refused, a bare LF
 ///   ignored; CR, LF or both behind a line or an immediate command end nothing more. An unknown
 ///   letter is refused at once and does not take the bytes behind it along. Blanks before a command
-///   are ignored. Lines beyond 254 bytes are refused whole.
+///   are ignored. Lines beyond 254 bytes are refused whole. Fields behind a command's last one are
+///   ignored.
 /// - `*` as station means all of them for B, b, R and l. A station without receiver cannot be
 ///   switched on. Unplugged while running, it reports its last pose with the letter `l`.
 /// - W acts on the running set-up, not on the EEPROM and not on the port. Sync modes 0 and 1 run at

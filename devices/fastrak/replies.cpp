@@ -50,7 +50,9 @@ std::optional<FastrakStatus> decode_status(std::string_view line) {
   }
   int flags = 0;
   const auto hex = std::from_chars(line.data() + 3, line.data() + 6, flags, 16);
-  if (hex.ec != std::errc{} || hex.ptr != line.data() + 6) return std::nullopt;
+  if (hex.ec != std::errc{} || hex.ptr != line.data() + 6 || flags < 0) {
+    return std::nullopt;
+  }
   FastrakStatus status;
   const std::string_view number = line.substr(6, 3);
   if (const auto digits = number.find_first_not_of(' '); digits != std::string_view::npos) {
@@ -95,8 +97,8 @@ std::string encode_list(int station, std::span<const int> items) {
 }
 
 std::optional<std::vector<int>> decode_list(std::string_view line, int station) {
-  if (line.size() < 5 || line.size() % 2 == 0 || line[0] != '2' || line[1] != '0' + station ||
-      line[2] != 'O' || !ends_line(line)) {
+  if (line.size() < 5 || line[0] != '2' || line[1] != '0' + station || line[2] != 'O' ||
+      !ends_line(line)) {
     return std::nullopt;
   }
   std::vector<int> items;
