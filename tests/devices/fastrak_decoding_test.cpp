@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -153,10 +154,7 @@ constexpr std::string_view kSixteenBytes = "01 \0\0\x80\x3f\0\0\0\0\0\0\0\0 "sv;
 // Together with the head of a record behind them, they read as a record too.
 constexpr std::string_view kFalseBegin = "01 \0\0\0\0\0\0\0\0\0\0"sv;
 
-struct FoundAt {
-  std::size_t skipped, length;
-  bool operator==(const FoundAt&) const = default;
-};
+using FoundAt = std::pair<std::size_t, std::size_t>;  // skipped, length
 
 FoundAt found_in(std::string_view text, bool in_step, bool no_more = false) {
   const FastrakFound found = find_record(line_bytes(text), all_of(kSixteen), in_step, no_more);
