@@ -416,7 +416,7 @@ std::string carry_out(std::string_view text, FastrakMemory& memory) {
   try {
     return command->carry_out(line, memory);
   } catch (const RefusedField& refused) {
-    throw FastrakRefused{refused.why, refused.field, line.starts[refused.field],
+    throw FastrakRefused{refused.why, refused.field, line.starts.at(refused.field),
                          refused_station(line)};
   }
 }

@@ -48,11 +48,9 @@ std::optional<FastrakStatus> decode_status(std::string_view line) {
       line[2] != 'S' || !ends_line(line)) {
     return std::nullopt;
   }
-  int flags = 0;
+  unsigned flags = 0;
   const auto hex = std::from_chars(line.data() + 3, line.data() + 6, flags, 16);
-  if (hex.ec != std::errc{} || hex.ptr != line.data() + 6 || flags < 0) {
-    return std::nullopt;
-  }
+  if (hex.ec != std::errc{} || hex.ptr != line.data() + 6) return std::nullopt;
   FastrakStatus status;
   const std::string_view number = line.substr(6, 3);
   if (const auto digits = number.find_first_not_of(' '); digits != std::string_view::npos) {

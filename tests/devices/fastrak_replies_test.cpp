@@ -47,7 +47,7 @@ TEST(FastrakStatusTest, FlagsAndErrorAreNumbersThatFillTheirColumns) {
   const auto with = [](std::size_t at, std::string_view columns) {
     return decode_status(encode_status({}).replace(at, columns.size(), columns));
   };
-  for (const std::string_view flags : {"3G0", "3F ", " F0", "GF0", "-F0", "+F0"}) {
+  for (const std::string_view flags : {"3G0", "3F ", " F0", "GF0", "-F0", "-00", "+F0"}) {
     EXPECT_FALSE(with(3, flags)) << flags;
   }
   EXPECT_EQ(with(6, "   ").value().error, 0);
