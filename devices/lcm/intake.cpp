@@ -115,7 +115,7 @@ bool LcmIntake::speaks_for(const Publisher& publisher, Device device, Time their
   if (known && device == Device::mouse) {  // it belongs to the sender of the poses
     for (const auto& [other_device, other] : publishers_) {
       if (other_device == Device::mouse) continue;
-      if (other.sender == sender && other.samples > 0) return true;
+      if (other.sender == sender) return true;
       if (other.other == sender && arrived_ - other.other_time < kGone) return false;
     }
   }

@@ -78,5 +78,51 @@ TEST(Clocks, AClockThatShowsTheSameTimeGoesOnFromTheOffsetOfTheOther) {
   EXPECT_EQ(clocks.ours_us(mouse, 1'020'000.0), 50'000.0);
 }
 
+// The offset is that of the message with the least delay, also of two with the same time.
+TEST(ClockOffset, OfTwoMessagesOfOneTimeTheEarlierShowsTheOffset) {
+  ClockOffset offset;
+  EXPECT_EQ(offset.carry_over(0.0, 1'000.0), 1'000.0);
+  EXPECT_EQ(offset.carry_over(0.0, 500.0), 500.0);
+}
+
+TEST(ClockOffset, IsCorrectedInSmallStepsByAsMuchAsADelayMayBeAndAtOnceBeyond) {
+  ClockOffset small, large;
+  for (ClockOffset* offset : {&small, &large}) offset->carry_over(0.0, 20'000.0);
+  EXPECT_EQ(small.carry_over(10'000.0, 22'000.0), 29'100.0);  // 8 ms: 0.9 ms of it
+  EXPECT_EQ(large.carry_over(10'000.0, 21'999.0), 21'999.0);
+}
+
+// All messages of a second are late by 100 us: in the next second the offset makes up for half of it.
+TEST(ClockOffset, AfterASecondItFollowsTheLeastDelayByHalfOfItInASecond) {
+  ClockOffset offset;
+  offset.carry_over(0.0, 0.0);
+  EXPECT_EQ(offset.carry_over(500'000.0, 500'150.0), 500'000.0);
+  EXPECT_EQ(offset.carry_over(1'000'000.0, 1'000'100.0), 1'000'000.0);
+  EXPECT_NEAR(offset.carry_over(1'100'000.0, 1'100'200.0), 1'100'005.0, 1e-6);
+  EXPECT_NEAR(offset.carry_over(1'900'000.0, 1'900'200.0), 1'900'045.0, 1e-6);
+}
+
+TEST(Clocks, MeasurementsStayAsFarApartAsTheDeviceMeasures) {
+  Clocks clocks;
+  const ClockId clock = clocks.add();
+  dated(clocks, clock, 0, 0);
+  const Measured early{
+      .clock = clock, .theirs = Time{10'000}, .arrived_us = 5'000.0, .apart_us = 9'500.0};
+  EXPECT_EQ(clocks.date(early), Time{9'500});  // 9'100 by the corrected offset
+  EXPECT_EQ(clocks.estimate_us(clock), 9'500.0);
+}
+
+// With times that are far from the session's, as those of a program are.
+TEST(Clocks, AMouseLikeItsLeaderHasTheDatesOfTheLeadersClockAndMovesNothing) {
+  Clocks clocks;
+  const ClockId leader = clocks.add(), mouse = clocks.add(Lead::never), other = clocks.add();
+  clocks.follow_first(kGridRate);
+  EXPECT_EQ(dated(clocks, leader, 1'000'000, 28'000), Time{25'000});
+  EXPECT_EQ(clocks.date_like(leader, mouse, Time{1'008'000}), Time{33'000});
+  EXPECT_EQ(dated(clocks, other, 2'000'000, 700'400), Time{700'400});
+  EXPECT_EQ(clocks.date_like(other, mouse, Time{2'001'000}), Time{701'400});
+  EXPECT_EQ(dated(clocks, leader, 1'010'000, 38'000), Time{35'000});
+}
+
 }  // namespace
 }  // namespace headpin::devices

@@ -351,5 +351,28 @@ TEST(EmulatedUnitTest, TheControlLineOfFaultsIsAWordOfItsOwn) {
   }
 }
 
+// A unit has four stations. Bit 0 of the buttons is the switch.
+TEST(LcmFeedTest, OfFourStationsTakesThePosesAndTheSwitch) {
+  const std::filesystem::path log = fresh_folder("feed") / "stations.log";
+  {
+    LcmLink link("file://" + log.string() + "?mode=w");
+    for (const std::int32_t station : {1, 2, 4, 0, 5, 1'000'000, -1'000'000}) {
+      TrackerSample sample;
+      sample.device_time = Time{1'000'000};
+      sample.station = station;
+      sample.X_TS.p.x() = 10.0 + station;
+      sample.buttons = station == 4 ? 3 : station == 2 ? 2 : 0;
+      link.publish(Sample(sample));
+    }
+  }
+  LcmFeed feed("file://" + log.string() + "?speed=0");
+  feed.poll(kTick);
+  for (const int station : {1, 2, 4}) {
+    EXPECT_EQ(feed.at(station).X_TS.p.x(), 10.0 + station);
+    EXPECT_EQ(feed.at(station).pressed, station == 4) << station;
+  }
+  EXPECT_EQ(feed.at(3).X_TS.p, still_motion(3, {}).X_TS.p);
+}
+
 }  // namespace
 }  // namespace headpin::devices

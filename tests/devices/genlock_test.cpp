@@ -111,5 +111,24 @@ TEST(Genlock, WhereThatWouldBeLongItIsATick) {
   }
 }
 
+TEST(Genlock, AClockIsSetAnewByMoreThanFifteenMillisecondsOrAStepOfTheGrid) {
+  Genlock fine(kRate), coarse(120);  // steps of 12.5 and 25 ms
+  for (const double estimated_us : {0.0, 15e3, -15e3}) EXPECT_EQ(fine.follow(estimated_us), 0.0);
+  EXPECT_EQ(fine.follow(15'001.0), 12'500.0);
+  for (const double estimated_us : {0.0, 25e3, -25e3}) EXPECT_EQ(coarse.follow(estimated_us), 0.0);
+  EXPECT_EQ(coarse.follow(25'001.0), 25'000.0);
+}
+
+TEST(Genlock, AClockThatIsOffByFiveMillisecondsIsAnother) {
+  Genlock genlock(kRate);
+  genlock.follow(25'000.0);
+  for (const double off_us : {-4'999.0, 4'999.0}) {
+    EXPECT_EQ(genlock.same_or_own(25'000.0 + off_us), 25'000.0);
+  }
+  for (const double off_us : {-5'000.0, 5'000.0}) {
+    EXPECT_EQ(genlock.same_or_own(25'000.0 + off_us), 25'000.0 + off_us);
+  }
+}
+
 }  // namespace
 }  // namespace headpin::devices

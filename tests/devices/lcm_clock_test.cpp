@@ -97,5 +97,25 @@ TEST(LogSource, PlaysMessagesThatAreOutOfOrderAtTheirPace) {
   EXPECT_NEAR(seconds(now), 2.0, 0.03);
 }
 
+TEST(LogSource, PlaysAMessageOnceItsTimeHasCome) {
+  const std::filesystem::path path = fresh_folder("clock") / "two.lcmlog";
+  Buffer bytes;
+  for (int i = 0; i < 2; ++i) {
+    Buffer data;
+    encode(sample_at(4'000 * i, i), data);
+    append({i, Time{1'700'000'000'000'000 + 4'000 * i}, kTrackerChannel, data}, bytes);
+  }
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), std::ssize(bytes));
+  LogSource source({.path = path});
+  std::vector<Sample> out;
+  source.poll(Time{100'000}, out);
+  EXPECT_EQ(out.size(), 1u);
+  source.poll(Time{103'999}, out);
+  EXPECT_EQ(out.size(), 1u);
+  source.poll(Time{104'000}, out);
+  EXPECT_EQ(out.size(), 2u);
+}
+
 }  // namespace
 }  // namespace headpin::devices

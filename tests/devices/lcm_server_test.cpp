@@ -3,13 +3,18 @@
 
 #include "tests/support/lcm_server.h"
 
+#include <array>
+#include <stdexcept>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "devices/lcm/link.h"
+#include "devices/lcm/server.h"
 #include "devices/lcm/source.h"
 #include "devices/live/source.h"
 #include "tests/support/folder.h"
@@ -71,6 +76,41 @@ TEST(LcmServerTest, WhoPublishesToAServerThatGoesAwayIsTold) {
   std::string said;
   while (said.empty()) said = complaint([&] { link.publish(Sample(TrackerSample{})); });
   EXPECT_THAT(said, EndsWith(server.url() + kGone));
+}
+
+/// A server of something else: answers its first client, and closes the connection.
+class OtherServer {
+ public:
+  explicit OtherServer(std::string answer) : answer_(std::move(answer)) {
+    if (::listen(port_.descriptor(), 1) != 0) throw std::runtime_error("cannot listen");
+    thread_ = std::thread([this] {
+      const int connection = accept4(port_.descriptor(), nullptr, nullptr, SOCK_CLOEXEC);
+      std::array<char, 8> greeting{};
+      recv(connection, greeting.data(), greeting.size(), MSG_WAITALL);
+      send(connection, answer_.data(), answer_.size(), MSG_NOSIGNAL);
+      close(connection);
+    });
+  }
+  ~OtherServer() { thread_.join(); }
+  OtherServer(const OtherServer&) = delete;
+  OtherServer& operator=(const OtherServer&) = delete;
+
+  std::string url() const { return port_.url(); }
+
+ private:
+  LocalPort port_;
+  std::string answer_;
+  std::thread thread_;
+};
+
+// LCM's server answers with its magic number and the version of the protocol.
+TEST(LcmServerTest, WhoAnswersOtherwiseIsNoServer) {
+  for (const char* answer : {"", "\x28\x76\x17\xfa", "HTTP/1.1 400 Bad Request"}) {
+    const OtherServer other(answer);
+    EXPECT_EQ(complaint([&] { find_server(LcmUrl(other.url())); }), other.url() + kNobody);
+  }
+  const OtherServer good(std::string("\x28\x76\x17\xfa\0\0\1\0", 8));
+  EXPECT_EQ(find_server(LcmUrl(good.url())), good.url());
 }
 
 }  // namespace

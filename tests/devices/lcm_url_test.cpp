@@ -123,6 +123,7 @@ TEST_F(LcmUrlTest, AServerHasAHostAndAPort) {
   EXPECT_EQ(LcmUrl("tcpq://").server()->port, 7700);
   EXPECT_EQ(LcmUrl("tcpq://here").server()->host, "here");
   EXPECT_EQ(LcmUrl("tcpq://here:65535").server()->port, 65535);
+  EXPECT_EQ(LcmUrl("tcpq://here:1").server()->port, 1);
   EXPECT_EQ(LcmUrl("memq://").for_liblcm(), "memq://");
   EXPECT_FALSE(LcmUrl("memq://").server() || LcmUrl("memq://").group() || LcmUrl("memq://").log());
 }

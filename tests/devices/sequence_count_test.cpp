@@ -64,5 +64,52 @@ TEST(SequenceCount, WhoDoesNotNumberLosesNothing) {
   EXPECT_EQ(count.repeated(), 0);
 }
 
+// 4 is overtaken by all that follow, of which none is lost in the end.
+TEST(SequenceCount, ALateSampleIsKnownHoweverManyOvertookIt) {
+  SequenceCount count;
+  count.take(3, measured(3));
+  for (std::int64_t number = 5; number < 500; ++number) {
+    const std::int64_t swapped = number % 4 == 2   ? number + 1
+                                 : number % 4 == 3 ? number - 1
+                                                   : number;
+    count.take(swapped, measured(swapped));
+  }
+  EXPECT_EQ(count.lost(), 1);
+  EXPECT_EQ(count.take(4, measured(4)), -1);
+  EXPECT_EQ(count.lost(), 0);
+  EXPECT_EQ(count.repeated(), 0);
+}
+
+TEST(SequenceCount, TheGapsOfTheLastSixtyFourAreSearchedForALateSample) {
+  for (const int gaps : {64, 65}) {
+    SequenceCount count;
+    for (int i = 0; i <= gaps; ++i) count.take(2 * i, measured(2 * i));
+    EXPECT_EQ(count.lost(), gaps);
+    EXPECT_EQ(count.take(1, measured(1)), gaps == 64 ? -1 : 0);
+    EXPECT_EQ(count.take(3, measured(3)), -1);
+  }
+}
+
+// What was missing of one numbering is not what comes twice of the next.
+TEST(SequenceCount, ANewNumberingForgetsTheGapsOfTheOldOne) {
+  for (const std::int64_t first : {1, 9}) {  // 9 is also the last number of the old one
+    SequenceCount count;
+    for (const std::int64_t number : {0, 1, 9}) count.take(number, measured(number));
+    EXPECT_EQ(count.lost(), 7);
+    for (std::int64_t number = first; number < 20; ++number) {
+      count.take(number, measured(100 + number));
+    }
+    EXPECT_EQ(count.take(5, measured(105)), 0) << first;
+    EXPECT_EQ(count.lost(), 7) << first;
+    EXPECT_EQ(count.repeated(), 1) << first;
+  }
+  SequenceCount count;
+  for (const std::int64_t number : {0, 1, 9}) count.take(number, measured(number));
+  count.begin_anew();
+  EXPECT_EQ(count.take(20, measured(20)), 0);
+  EXPECT_EQ(count.take(5, measured(5)), 0);
+  EXPECT_EQ(count.lost(), 7);
+}
+
 }  // namespace
 }  // namespace headpin::devices

@@ -3,11 +3,18 @@
 #include "devices/lcm/viewer_messages.h"
 
 #include <array>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <headpin/image_array_t.hpp>
 #include <headpin/viewer_draw_t.hpp>
 #include <headpin/viewer_load_robot_t.hpp>
+
+#include "devices/lcm/link.h"
+#include "devices/log/event_log.h"
+#include "tests/support/folder.h"
 
 namespace headpin::devices {
 namespace {
@@ -79,6 +86,35 @@ TEST(ViewerMessages, ALinkHasItsShapesAndItsPoseTheScalarFirst) {
   EXPECT_EQ(drawn.link_name[0], "ball");
   EXPECT_EQ(drawn.position[0], (std::vector<float>{4.0F, 5.0F, 6.0F}));
   EXPECT_EQ(drawn.quaternion[0], (std::vector<float>{0.5F, 0.5F, -0.5F, 0.5F}));
+}
+
+// Other programs know these channels: they have no prefix.
+TEST(ViewerMessages, EachIsPublishedOnItsOwnChannel) {
+  const std::string path = fresh_folder("viewer") / "viewer.lcmlog";
+  const std::array links{ViewerLink{"ball", {}}};
+  const std::array poses{ViewerPose{"ball", {Quat::Identity(), Vec3(4.0, 5.0, 6.0)}}};
+  const std::array<std::uint8_t, 3> pixel{1, 2, 3};
+  const EyePictures eyes{.sequence = 7, .width = 1, .height = 1, .left = pixel, .right = pixel};
+  {
+    LcmLink link("file://" + path + "?mode=w", "TRIAL_");
+    link.publish(eyes);
+    link.publish(links);
+    link.publish(Time{2'500'000}, poses);
+  }
+  std::vector<std::uint8_t> eyes_bytes, links_bytes, poses_bytes;
+  encode(eyes, eyes_bytes);
+  encode(links, links_bytes);
+  encode(Time{2'500'000}, poses, poses_bytes);
+  FileWindow file(path);
+  LogReader reader(file);
+  for (const auto& [channel, bytes] :
+       {std::pair("HEADPIN_EYES", eyes_bytes), std::pair("DRAKE_VIEWER_LOAD_ROBOT", links_bytes),
+        std::pair("DRAKE_VIEWER_DRAW", poses_bytes)}) {
+    const auto event = reader.next();
+    ASSERT_TRUE(event);
+    EXPECT_EQ(event->channel, channel);
+    EXPECT_EQ(std::vector<std::uint8_t>(event->data.begin(), event->data.end()), bytes);
+  }
 }
 
 }  // namespace

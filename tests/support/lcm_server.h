@@ -2,6 +2,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <mutex>
 #include <set>
 #include <stdexcept>
@@ -45,7 +46,8 @@ class LocalPort {
 class LocalLcmServer {
  public:
   /// @param greets  answers as a server of LCM, else closes each connection at once
-  explicit LocalLcmServer(bool greets) : greets_(greets) {
+  /// @param most    it answers as many connections, and closes those after them
+  explicit LocalLcmServer(bool greets, std::size_t most = 1000) : greets_(greets), most_(most) {
     if (::listen(port_.descriptor(), 10) != 0) throw std::runtime_error("cannot listen");
     thread_ = std::thread([this] { serve(); });
   }
@@ -75,7 +77,7 @@ class LocalLcmServer {
       const int connection = accept4(port_.descriptor(), nullptr, nullptr, SOCK_CLOEXEC);
       if (connection < 0) continue;
       const std::lock_guard lock(mutex_);
-      if (greets_ && greet(connection)) {
+      if (greets_ && connections_.size() < most_ && greet(connection)) {
         connections_.insert(connection);
       } else {
         close(connection);
@@ -92,6 +94,7 @@ class LocalLcmServer {
   LocalPort port_;
   std::mutex mutex_;  ///< for the members below
   bool greets_;
+  std::size_t most_;
   std::set<int> connections_;
   std::atomic<bool> stopping_{false};
   std::thread thread_;
