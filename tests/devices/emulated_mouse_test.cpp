@@ -89,7 +89,9 @@ TEST_F(EmulatedMouseTest, OfATrialSaysNothingBeforeAClientStartsTheStream) {
 }
 
 TEST(NoSuchButton, SaysWhetherItIsAThumbs) {
-  EmulatedUnit unit({}, resting_feed());
+  FastrakEmulatorOptions options;
+  options.stylus = 0;
+  EmulatedUnit unit(options, resting_feed());
   const auto of_thumb = [&](const char* line) {
     try {
       unit.obey(line, Time{});

@@ -10,8 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include <dlfcn.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 
 #include "devices/lcm/link.h"
 #include "devices/lcm/server.h"
@@ -22,6 +24,25 @@
 #ifdef HEADPIN_SANITIZED
 #include <sanitizer/lsan_interface.h>
 #endif
+
+namespace headpin::devices {
+namespace {
+
+/// How often somebody has waited for bytes; null while nobody counts.
+int* counted_waits = nullptr;
+
+}  // namespace
+}  // namespace headpin::devices
+
+// The C library's poll(), by another name: its header may define it already.
+extern "C" int counting_poll(pollfd* all, nfds_t count, int timeout_ms) __asm__("poll");
+
+extern "C" int counting_poll(pollfd* all, nfds_t count, int timeout_ms) {
+  using headpin::devices::counted_waits;
+  if (counted_waits != nullptr && count == 1 && all->events == POLLIN) ++*counted_waits;
+  static const auto real = reinterpret_cast<decltype(&counting_poll)>(dlsym(RTLD_NEXT, "poll"));
+  return real(all, count, timeout_ms);
+}
 
 namespace headpin::devices {
 namespace {
@@ -103,14 +124,24 @@ class OtherServer {
   std::thread thread_;
 };
 
-// LCM's server answers with its magic number and the version of the protocol.
+// LCM's server answers with its magic number and the version of the protocol. Who answers is not asked
+// again and again, as long as one may be silent.
 TEST(LcmServerTest, WhoAnswersOtherwiseIsNoServer) {
+  int count = 0;
+  const auto find = [&](const OtherServer& server) {
+    counted_waits = &(count = 0);
+    const std::string said = complaint([&] { find_server(LcmUrl(server.url())); });
+    counted_waits = nullptr;
+    EXPECT_GE(count, 1);
+    EXPECT_LE(count, 100);
+    return said;
+  };
   for (const char* answer : {"", "\x28\x76\x17\xfa", "HTTP/1.1 400 Bad Request"}) {
     const OtherServer other(answer);
-    EXPECT_EQ(complaint([&] { find_server(LcmUrl(other.url())); }), other.url() + kNobody);
+    EXPECT_EQ(find(other), other.url() + kNobody);
   }
   const OtherServer good(std::string("\x28\x76\x17\xfa\0\0\1\0", 8));
-  EXPECT_EQ(find_server(LcmUrl(good.url())), good.url());
+  EXPECT_EQ(find(good), "");
 }
 
 }  // namespace
