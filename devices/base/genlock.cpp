@@ -31,7 +31,8 @@ double Genlock::follow(double estimated_us) {
 }
 
 double Genlock::same_or_own(double estimated_us) const {
-  const bool same = offset_us_ && std::abs(estimated_us - *offset_us_) < kSameOffset_us;
+  // Beside what the reference's is by now: the session's clock makes up for the rest in a second or more.
+  const bool same = offset_us_ && std::abs(estimated_us - *offset_us_ - off_us_) < kSameOffset_us;
   return same ? *offset_us_ : estimated_us;
 }
 

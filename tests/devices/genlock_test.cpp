@@ -83,8 +83,9 @@ TEST(Genlock, AnotherClockKeepsItsOwnOffsetUnlessItIsTheSame) {
   Genlock genlock(kRate);
   EXPECT_EQ(genlock.same_or_own(777.0), 777.0);  // there is no reference yet
   EXPECT_EQ(genlock.follow(30'400.0), 25'000.0);
+  EXPECT_EQ(genlock.same_or_own(30'400.0), 25'000.0);  // the same clock: 5.4 ms above the grid too
   EXPECT_EQ(genlock.same_or_own(26'300.0), 25'000.0);
-  EXPECT_EQ(genlock.same_or_own(22'000.0), 25'000.0);
+  EXPECT_EQ(genlock.same_or_own(22'000.0), 22'000.0);
   EXPECT_EQ(genlock.same_or_own(700'400.0), 700'400.0);
   EXPECT_EQ(genlock.follow(30'900.0), 25'000.0);  // moves only when it jumps
   EXPECT_EQ(genlock.follow(1'030'900.0), 1'025'000.0);
