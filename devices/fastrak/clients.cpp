@@ -309,7 +309,7 @@ std::vector<FastrakRecord> take_apart(const FastrakClient& client, int stations,
   std::size_t at = 0;
   std::string wrong;
   int turn = client.only_last ? stations : 1;
-  while (at < stream.size() && wrong.empty()) {
+  while (true) {
     const FastrakFormat& format = turn == 1 ? client.first : client.others;
     const std::size_t length = fastrak_record_length(format);
     if (at + length > stream.size()) break;

@@ -102,7 +102,9 @@ struct Compared {
   std::string_view form;
   std::vector<Reading> before, read, after;
 
-  bool whole() const { return before.size() == read.size() && read.size() == after.size(); }
+  bool whole() const {
+    return !read.empty() && before.size() == read.size() && read.size() == after.size();
+  }
 };
 
 /// The third longest way of a station from one reading in the factory's form to the next one: a
@@ -111,7 +113,7 @@ Way usual_way(const std::vector<Compared>& all, std::size_t station) {
   constexpr std::size_t kThird = 2;
   std::vector<double> far, turned;
   for (const Compared& one : all) {
-    if (!one.whole() || station >= one.read.size()) continue;
+    if (!one.whole()) continue;
     const Way gone = way(one.before[station], one.after[station]);
     far.push_back(gone.far);
     turned.push_back(gone.turned);

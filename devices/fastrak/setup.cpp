@@ -51,8 +51,8 @@ std::optional<std::vector<double>> find_values(const FastrakCheck& check, Bytes 
   const std::string_view text(reinterpret_cast<const char*>(heard.data()), heard.size());
   const std::string head = {'2', static_cast<char>('0' + check.station), check.letter};
   const std::size_t begin = text.find(head);
-  const std::size_t end = text.find("\r\n", begin);
-  if (begin == std::string_view::npos || end == std::string_view::npos) return std::nullopt;
+  const std::size_t end = text.find("\r\n", begin);  // from npos on it finds nothing
+  if (end == std::string_view::npos) return std::nullopt;
   std::vector<double> values;
   const char* at = text.data() + begin + head.size();
   const char* const stop = text.data() + end;
@@ -88,12 +88,13 @@ void read_zenith(std::string_view text, FastrakZeniths& zeniths) {
   }
   Vec3 zenith;
   for (int i = 0; i < 3; ++i) {
+    if (i > 0) {
+      if (!rest.starts_with(',')) refuse();
+      rest.remove_prefix(1);
+    }
     const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), zenith[i]);
     if (error != std::errc() || !std::isfinite(zenith[i])) refuse();
     rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
-    if (i == 2) break;
-    if (!rest.starts_with(',')) refuse();
-    rest.remove_prefix(1);
   }
   if (!rest.empty()) refuse();
   if (station) {
