@@ -71,7 +71,7 @@ TEST(FastrakReadingsTest, ReceiversThatAlwaysMoveFarTellNothing) {
 constexpr int kQuaternionForm = 2, kLastForm = 6;
 
 /// A receiver whose pose at each reading is known, and what a unit says of it.
-struct Read {
+struct ReadUnit {
   std::function<Pose(int reading)> pose = [](int) { return Pose{Quat::Identity(), kThere}; };
   std::function<void(int reading, std::string& heard)> spoils = [](int, std::string&) {};
   static inline const Vec3 kThere{0.3, 0.0, 0.4};  // half a metre away
@@ -94,7 +94,7 @@ struct Read {
 };
 
 /// Of those that a set of demands does not meet, or cannot tell.
-std::vector<std::string> unmet(const FastrakDemands& demands) {
+std::vector<std::string> unmet_of(const FastrakDemands& demands) {
   std::vector<std::string> all;
   for (const FastrakDemand& one : demands) {
     if (!one.met) all.push_back(one.what);
@@ -107,7 +107,7 @@ bool receivers_move(const FastrakDemands& demands) {
 }
 
 Pose beside(double x, double turned = 0.0) {
-  return {rotation(Vec3(turned, 0.0, 0.0)), Read::kThere + Vec3(0.0, x, 0.0)};
+  return {rotation(Vec3(turned, 0.0, 0.0)), ReadUnit::kThere + Vec3(0.0, x, 0.0)};
 }
 
 constexpr std::string_view kAsAQuaternion =
@@ -116,26 +116,26 @@ constexpr std::string_view kInCentimetres =
     "in centimetres the pose that it is in ASCII, inches and angles";
 
 TEST(FastrakReadingTest, AUnitThatWasLeftInCentimetresIsAskedForInches) {
-  const FastrakDemands demands = Read().demands(0.0, "u");
-  EXPECT_THAT(unmet(demands), testing::IsEmpty());
+  const FastrakDemands demands = ReadUnit().demands(0.0, "u");
+  EXPECT_THAT(unmet_of(demands), testing::IsEmpty());
   EXPECT_FALSE(receivers_move(demands));
 }
 
 TEST(FastrakReadingTest, ARecordOfAnotherStationIsNotTheFirstOne) {
-  Read unit;
+  ReadUnit unit;
   unit.spoils = [](int reading, std::string& heard) {
     if (reading == 1) heard.at(1) = '2';
   };
-  EXPECT_THAT(unmet(unit.demands()),
+  EXPECT_THAT(unmet_of(unit.demands()),
               testing::ElementsAre("a set of 47 bytes, 47 for each station"));
 }
 
 // Half a metre away: 2 mm, and a fiftieth of the distance.
 TEST(FastrakReadingTest, AReadingMayBeOffByAFiftiethOfTheDistance) {
   const auto off_by = [](double x) {
-    Read unit;
+    ReadUnit unit;
     unit.pose = [x](int reading) { return beside(reading == 1 ? x : 0.0); };
-    return unmet(unit.demands());
+    return unmet_of(unit.demands());
   };
   EXPECT_THAT(off_by(0.011), testing::IsEmpty());
   EXPECT_THAT(off_by(0.013), testing::ElementsAre(kInCentimetres));
@@ -144,11 +144,11 @@ TEST(FastrakReadingTest, AReadingMayBeOffByAFiftiethOfTheDistance) {
 // 0.03, ten times the unit's noise of 0.025 degrees, and what the receiver turns in between.
 TEST(FastrakReadingTest, AReadingMayBeTurnedByTheNoiseAndTheMotion) {
   const auto turned_by = [](double angle, double in_between) {
-    Read unit;
+    ReadUnit unit;
     unit.pose = [=](int reading) {
       return beside(0.0, reading == 1 ? angle : reading == 0 ? -in_between : 0.0);
     };
-    return unmet(unit.demands());
+    return unmet_of(unit.demands());
   };
   EXPECT_THAT(turned_by(0.033, 0.0), testing::IsEmpty());
   EXPECT_THAT(turned_by(0.036, 0.0), testing::ElementsAre(kInCentimetres));
@@ -158,20 +158,20 @@ TEST(FastrakReadingTest, AReadingMayBeTurnedByTheNoiseAndTheMotion) {
 
 // Its noise grows with the cube of the distance, to 0.45 degrees at 2 m.
 TEST(FastrakReadingTest, AReceiverThatIsFarAwayMayBeNoisy) {
-  Read unit;
+  ReadUnit unit;
   unit.pose = [](int) { return Pose{Quat::Identity(), Vec3(1.9, 0.0, 0.0)}; };
-  EXPECT_THAT(unmet(unit.demands(1.0)), testing::IsEmpty());
+  EXPECT_THAT(unmet_of(unit.demands(1.0)), testing::IsEmpty());
 }
 
 // Inches for centimetres put a receiver off by 0.6 of its distance.
 TEST(FastrakReadingTest, MoreThanHalfTheDistanceTellsNothing) {
   const auto moves = [](double way) {
-    Read unit;
+    ReadUnit unit;
     unit.pose = [way](int reading) {
       return beside(reading % 4 == 0 ? 0.5 * way : reading % 4 == 2 ? -0.5 * way : 0.0);
     };
     const FastrakDemands demands = unit.demands();
-    EXPECT_THAT(unmet(demands), testing::IsEmpty());
+    EXPECT_THAT(unmet_of(demands), testing::IsEmpty());
     return receivers_move(demands);
   };
   EXPECT_FALSE(moves(0.29));
@@ -182,15 +182,15 @@ TEST(FastrakReadingTest, MoreThanHalfTheDistanceTellsNothing) {
 /// taken for its motion: before, it went and turned so much from one reading to the next, which is
 /// called its usual way.
 bool is_excused(const Pose& off, const std::vector<Pose>& ways) {
-  Read unit;
+  ReadUnit unit;
   unit.pose = [&](int reading) {
     if (reading == 2 * kLastForm + 1) return off;
     const auto form = static_cast<std::size_t>(reading / 2);
     return form < ways.size() && reading % 2 == 0 ? ways[form] : beside(0.0);
   };
   const FastrakDemands demands = unit.demands();
-  EXPECT_EQ(receivers_move(demands), unmet(demands).empty());
-  return unmet(demands).empty();
+  EXPECT_EQ(receivers_move(demands), unmet_of(demands).empty());
+  return unmet_of(demands).empty();
 }
 
 // A single wrong reading ends one way and begins another, so the third longest one counts.
@@ -207,19 +207,20 @@ TEST(FastrakReadingTest, TheThirdLongestWayExcusesAReadingOfTwiceAsMuch) {
 }
 
 TEST(FastrakReadingTest, TwoWaysAreNoUsualOnes) {
-  Read unit;
+  ReadUnit unit;
   unit.spoils = [](int reading, std::string& heard) {
     if (reading <= 8) heard.pop_back();  // the last two forms remain
   };
   unit.pose = [](int reading) { return beside(reading == 10 ? 0.2 : reading == 13 ? 0.35 : 0.0); };
-  EXPECT_THAT(unmet(unit.demands()).back(), testing::StartsWith("as an extended quaternion the"));
+  EXPECT_THAT(unmet_of(unit.demands()).back(),
+              testing::StartsWith("as an extended quaternion the"));
 }
 
 // Without its neighbours a reading is held against nothing, and shows no way either.
 TEST(FastrakReadingTest, AReadingThatDoesNotComeIsSaidOnceAndNotCompared) {
   const std::string set = "a set of 47 bytes, 47 for each station";
   const auto with = [](int first, int last) {
-    Read unit;
+    ReadUnit unit;
     unit.spoils = [=](int reading, std::string& heard) {
       if (reading >= first && reading <= last) heard.pop_back();
       if (reading == 2 * kQuaternionForm + 1) std::rotate(&heard[24], &heard[31], &heard[52]);
@@ -231,11 +232,11 @@ TEST(FastrakReadingTest, AReadingThatDoesNotComeIsSaidOnceAndNotCompared) {
         demands, [](const FastrakDemand& one) { return one.what.ends_with("inches and angles"); });
   };
   const FastrakDemands first = with(0, 0), second = with(2, 2), three = with(0, 2);
-  EXPECT_THAT(unmet(first), testing::ElementsAre(set, kAsAQuaternion));
+  EXPECT_THAT(unmet_of(first), testing::ElementsAre(set, kAsAQuaternion));
   EXPECT_EQ(compared(first), 6);
-  EXPECT_THAT(unmet(second), testing::ElementsAre(set, kAsAQuaternion));
+  EXPECT_THAT(unmet_of(second), testing::ElementsAre(set, kAsAQuaternion));
   EXPECT_EQ(compared(second), 5);
-  EXPECT_THAT(unmet(three), testing::ElementsAre(set, set, set, kAsAQuaternion));
+  EXPECT_THAT(unmet_of(three), testing::ElementsAre(set, set, set, kAsAQuaternion));
   EXPECT_EQ(compared(three), 5);
 }
 

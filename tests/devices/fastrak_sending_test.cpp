@@ -161,9 +161,9 @@ TEST(FastrakSendingTest, AfterXonTheNextByteTakesItsTime) {
 // --- Its server ------------------------------------------------------------------------------
 
 /// A stream in which so many bytes wait.
-class Waiting : public ByteStream {
+class Pending : public ByteStream {
  public:
-  explicit Waiting(std::size_t count) : left(count) {}
+  explicit Pending(std::size_t count) : left(count) {}
   std::size_t read(std::span<std::uint8_t> out) override {
     const std::size_t n = std::min(out.size(), left);
     std::fill_n(out.begin(), n, std::uint8_t{' '});
@@ -178,7 +178,7 @@ class Waiting : public ByteStream {
 
 TEST(FastrakServingTest, FourKilobytesAreTakenInOneCall) {
   Unit unit;
-  Waiting stream(10'000);
+  Pending stream(10'000);
   serve(unit.emulator, stream, 1ms);
   EXPECT_EQ(stream.left, 10'000u - 4096u);
 }

@@ -20,7 +20,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::StartsWith;
 
-Bytes bytes_of(const std::string& text) {
+Bytes as_bytes(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
@@ -66,7 +66,7 @@ TEST(FastrakSetupTest, TheUnitIsSetUpIfItsStatusSaysSoInEveryFlag) {
     status.binary = binary;
     status.continuous = continuous;
     const std::string answer = encode_status(status);
-    return judge({}, {}, bytes_of(answer));
+    return judge({}, {}, as_bytes(answer));
   };
   EXPECT_EQ(verdict(true, false, false), FastrakVerdict::as_said);
   EXPECT_EQ(verdict(false, false, false), FastrakVerdict::otherwise);
@@ -77,12 +77,12 @@ TEST(FastrakSetupTest, TheUnitIsSetUpIfItsStatusSaysSoInEveryFlag) {
 TEST(FastrakSetupTest, AnAnswerIsOneWhenItsLineHasEnded) {
   const FastrakCheck check{'H', 1, {1.0, 0.0, 0.0}};
   const std::string line = "21H   1.00   0.00   0.00\r\n";
-  EXPECT_EQ(judge(check, {}, bytes_of(line)), FastrakVerdict::as_said);
+  EXPECT_EQ(judge(check, {}, as_bytes(line)), FastrakVerdict::as_said);
   const std::string before = "\r\n" + line;
-  EXPECT_EQ(judge(check, {}, bytes_of(before)), FastrakVerdict::as_said);
+  EXPECT_EQ(judge(check, {}, as_bytes(before)), FastrakVerdict::as_said);
   for (std::size_t length = 0; length < line.size(); ++length) {
     const std::string part = line.substr(0, length);
-    EXPECT_EQ(judge(check, {}, bytes_of(part)), FastrakVerdict::no_answer) << length;
+    EXPECT_EQ(judge(check, {}, as_bytes(part)), FastrakVerdict::no_answer) << length;
   }
 }
 
@@ -129,7 +129,7 @@ TEST(FastrakSetupTest, AnIncrementOrAnEnvelopeThatIsNotSetIsOnlyMentioned) {
     test::Bench bench(test::unit("noise=0"), {},
                       {std::move(line), std::make_unique<Losing>(std::move(host), letter + "1,")});
     const std::string left = "I1,1\rQ1,170,80,170,-170,-80,-170\r";
-    bench.emulator.receive(bytes_of(left), bench.now);
+    bench.emulator.receive(as_bytes(left), bench.now);
     ASSERT_TRUE(bench.run_until_streaming());
     EXPECT_EQ(bench.driver.statistics().attempts, 1);
     EXPECT_THAT(bench.driver.unconfirmed(),
