@@ -93,7 +93,7 @@ struct ReadUnit {
   }
 };
 
-/// Of those that a set of demands does not meet, or cannot tell.
+/// What is demanded and not met.
 std::vector<std::string> unmet_of(const FastrakDemands& demands) {
   std::vector<std::string> all;
   for (const FastrakDemand& one : demands) {
