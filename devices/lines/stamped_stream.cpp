@@ -34,13 +34,17 @@ void StampedStream::work() {
       const int ready = ::poll(&line, 1, line.fd >= 0 ? kNap_ms : 1);
       const bool hung_up = ready > 0 && !(line.revents & POLLIN);
       listen();
-      const std::lock_guard lock(pile_);
-      if (hung_up || waiting_ >= kLimit) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      if (hung_up || is_full()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   } catch (...) {
     const std::lock_guard lock(pile_);
     failure_ = std::current_exception();
   }
+}
+
+bool StampedStream::is_full() const {
+  const std::lock_guard lock(pile_);
+  return waiting_ >= kLimit;
 }
 
 void StampedStream::listen() {
@@ -77,10 +81,7 @@ void StampedStream::carry_out_orders() {
 void StampedStream::take_in() {
   std::array<std::uint8_t, 4096> bytes{};
   for (;;) {
-    {
-      const std::lock_guard lock(pile_);
-      if (waiting_ >= kLimit) return;
-    }
+    if (is_full()) return;
     const Time before = clock_();
     const std::size_t n = stream_->read(bytes);
     const Time now = clock_();

@@ -57,6 +57,7 @@ class StampedStream : public ByteStream {
     int baud = 0;
   };
   void work();
+  bool is_full() const;
   void carry_out_orders();
   void take_in();
 

@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 #include <arpa/inet.h>
-#include <fcntl.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -73,10 +72,9 @@ class Socket : public ByteStream {
   bool gone_ = false;
 };
 
-void prepare_socket(int fd) {
+void send_at_once(int fd) {
   const int on = 1;
   setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-  fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_NONBLOCK);
 }
 
 /// Lets a socket ask a silent peer for a sign of life, so that one that went away without a word is
@@ -143,7 +141,7 @@ std::unique_ptr<ByteStream> connect_tcp(const std::string& host, int port,
   }
   freeaddrinfo(found);
   if (fd < 0) fail_tcp(nobody);
-  prepare_socket(fd);
+  send_at_once(fd);
   notice_death(fd);
   const unsigned patient = 8000;  // ms without an answer to bytes that were sent
   setsockopt(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &patient, sizeof patient);
@@ -200,7 +198,7 @@ void TcpServer::accept_newcomer() {
   hang_up();
   client_ = newcomer;
   renewed_ = true;
-  prepare_socket(client_);
+  send_at_once(client_);
   notice_death(client_);
 }
 

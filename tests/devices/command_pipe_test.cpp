@@ -9,6 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "devices/lines/byte_stream.h"
+#include "tests/devices/line_ends.h"
 #include "tests/support/folder.h"
 
 namespace headpin::devices {
@@ -100,6 +102,40 @@ TEST(CommandPipeTest, WithoutAPathNoLineComes) {
   CommandPipe pipe("");
   EXPECT_EQ(pipe.descriptor(), -1);
   EXPECT_THAT(pipe.lines(), IsEmpty());
+}
+
+// Others read the terminal too; one that is set up for a program that asks again and again gives 0 bytes.
+TEST(CommandPipeTest, ASilentTerminalIsNotTheEndOfStandardInput) {
+  PseudoTerminal terminal;
+  const int keyboard = ::open(terminal.name().c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  const OtherInput input(keyboard);
+  {
+    CommandPipe pipe("-");
+    EXPECT_THAT(pipe.lines(), IsEmpty());
+    say(terminal, "press\n");
+    ASSERT_TRUE(has_news(keyboard));
+    EXPECT_THAT(pipe.lines(), ElementsAre("press"));
+  }
+  EXPECT_TRUE(has_input()) << "it is not the pipe's to close";
+  ::close(keyboard);
+}
+
+TEST(CommandPipeTest, WorksInAProgramWithoutStandardInput) {
+  const fs::path folder = fresh_folder("pipe"), path = folder / "control", file = folder / "file";
+  spit(file, "a text");
+  const OtherInput none;
+  EXPECT_THROW(CommandPipe refused(file.string()), std::runtime_error);
+  EXPECT_FALSE(has_input());
+  CommandPipe pipe(path.string());
+  EXPECT_EQ(pipe.descriptor(), STDIN_FILENO);
+  write_to(path, "press\n");
+  EXPECT_EQ(pipe.lines().size(), 1u);
+}
+
+TEST(CommandPipeTest, NeitherWaitsNorGoesToOtherPrograms) {
+  const CommandPipe pipe((fresh_folder("pipe") / "control").string());
+  EXPECT_FALSE(waits(pipe.descriptor()));
+  EXPECT_FALSE(is_inherited(pipe.descriptor()));
 }
 
 }  // namespace
