@@ -258,14 +258,28 @@ TEST(PseudoTerminalTest, SaysWhoseTerminalIsBehindALinkAndLeavesNothingOpen) {
   EXPECT_EQ(descriptors(), before);
 }
 
+/// As long as this lives, the process gets no other descriptor.
+class NoMoreDescriptors {
+ public:
+  NoMoreDescriptors() {
+    EXPECT_EQ(getrlimit(RLIMIT_NOFILE, &usual_), 0);
+    const rlimit none{.rlim_cur = 0, .rlim_max = usual_.rlim_max};
+    EXPECT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
+  }
+  ~NoMoreDescriptors() { setrlimit(RLIMIT_NOFILE, &usual_); }
+  NoMoreDescriptors(const NoMoreDescriptors&) = delete;
+  NoMoreDescriptors& operator=(const NoMoreDescriptors&) = delete;
+
+ private:
+  rlimit usual_{};
+};
+
 TEST(PseudoTerminalTest, SaysWhyThereIsNone) {
-  rlimit usual{};
-  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &usual), 0);
-  const rlimit none{.rlim_cur = 0, .rlim_max = usual.rlim_max};
-  setrlimit(RLIMIT_NOFILE, &none);
-  const std::string why = complaint([] { PseudoTerminal pty; });
-  setrlimit(RLIMIT_NOFILE, &usual);
-  EXPECT_EQ(why, "no pseudo-terminal: Too many open files");
+  const auto make = [] {
+    const NoMoreDescriptors none;
+    PseudoTerminal pty;
+  };
+  EXPECT_EQ(complaint(make), "no pseudo-terminal: Too many open files");
 }
 
 TEST(PseudoTerminalTest, WhatWasSaidToNobodyIsGoneOnceTheUnitHasLookedAtItsLine) {
