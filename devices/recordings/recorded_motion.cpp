@@ -66,7 +66,7 @@ struct Recording {
     const auto& tracker = std::get<TrackerSample>(sample);
     if (tracker.station < 1 || tracker.station > kFastrakStations) return;
     StationTrack& station = stations[static_cast<std::size_t>(tracker.station - 1)];
-    station.poses.push(tracker.device_time, tracker.X_TS);
+    if (!station.poses.push(tracker.device_time, tracker.X_TS)) return;
     station.errors.push(tracker.device_time, status_letter(tracker));
     station.switches.push(tracker.device_time, (tracker.buttons & 1) != 0);
   }

@@ -16,7 +16,8 @@ namespace headpin::devices {
 ///
 /// Letters are those of the sample before; a press of the trigger of the 3D mouse, or of any
 /// station's switch, is a press of the unit's one switch. Stations that were not recorded rest as
-/// in `still_motion`. A sample that is not later than the one before of its device counts for nothing.
+/// in `still_motion`. A measurement that is not later than the one before of its station counts for nothing,
+/// nor does an earlier state of the mouse.
 FastrakMotion recorded_motion(const std::vector<Sample>& samples);
 
 /// The recorded place of the transmitter, if all receivers stay ahead of it (the default
