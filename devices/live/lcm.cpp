@@ -57,7 +57,7 @@ std::string report_on(Time now, std::int32_t station, const Publisher& publisher
                        1e3 * seconds(ahead));
   }
   return fmt::format(", station {} {:.0f} ms old, came {:.0f} ms late", station,
-                     -1e3 * seconds(ahead), 1e3 * seconds(std::max(publisher.late(), Time{})));
+                     1e3 * seconds(-ahead), 1e3 * seconds(std::max(publisher.late(), Time{})));
 }
 
 /// The age and the delay of the newest sample of each publisher.

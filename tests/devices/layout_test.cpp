@@ -100,5 +100,43 @@ TEST(Layouts, NameAnUnknownType) {
             "t.x: unknown type what");
 }
 
+// A dimension that is 0 leaves nothing, whatever the next one says.
+TEST(Layouts, MultiplyTheirDimensionsWithoutOverflow) {
+  const Layouts layouts("struct t { int32_t n; int32_t m; int32_t k; byte x[n][m][k]; }");
+  const auto end_of = [&](std::uint32_t n, std::uint32_t m, std::uint32_t k) {
+    Bytes bytes(70'000);
+    std::size_t at = 0;
+    for (const std::uint32_t number : {n, m, k}) {
+      for (int shift = 24; shift >= 0; shift -= 8)
+        bytes[at++] = static_cast<std::uint8_t>(number >> shift);
+    }
+    return layouts.end_of("t", bytes, 0);
+  };
+  EXPECT_EQ(end_of(2, 3, 4), 12 + 24);
+  EXPECT_EQ(end_of(0, 3, 4), 12);
+  EXPECT_EQ(end_of(2, 0, 0x7fffffff), 12);
+  EXPECT_EQ(end_of(0, 0, 0), 12);
+  EXPECT_EQ(end_of(1 << 16, 1 << 24, 1 << 24), -1);  // 2 to the 64 altogether
+  EXPECT_EQ(end_of(2, 3, 0xffffffff), -1);
+}
+
+TEST(Layouts, CountInSignedNumbersOfAnySize) {
+  for (const auto& [type, size] :
+       {std::pair{"int8_t", 1}, {"int16_t", 2}, {"int32_t", 4}, {"int64_t", 8}}) {
+    const Layouts layouts(std::string("struct t { ") + type + " n; byte x[n]; }");
+    Bytes bytes(70'000);
+    bytes[static_cast<std::size_t>(size - 1)] = 5;
+    EXPECT_EQ(layouts.end_of("t", bytes, 0), size + 5) << type;
+    std::fill_n(bytes.begin(), size, std::uint8_t{0xff});  // -1
+    EXPECT_EQ(layouts.end_of("t", bytes, 0), -1) << type;
+  }
+}
+
+TEST(Layouts, MayHaveNoFields) {
+  const Layouts layouts("struct none { } struct t { none x; int8_t n; none y[n]; }");
+  EXPECT_EQ(layouts.end_of("none", {}, 0), 0);
+  EXPECT_EQ(layouts.end_of("t", Bytes{0}, 0), 1);
+}
+
 }  // namespace
 }  // namespace headpin::devices

@@ -89,6 +89,20 @@ TEST(LcmServerTest, AServerThatGoesAwayEndsTheSessionWithAWord) {
   EXPECT_EQ(complaint([&] { source->poll(Time{1'000'000'000}, samples); }), said);
 }
 
+// What came before a session starts is discarded, for which it is read.
+TEST(LcmServerTest, AServerThatGoesAwayBeforeTheStartIsToldAtTheStart) {
+#ifdef HEADPIN_SANITIZED
+  const __lsan::ScopedDisabler liblcm_leaks;
+#endif
+  LocalLcmServer server(true);
+  Clocks clocks;
+  const OpenSource opened = *open_device("lcm:" + server.url(), clocks, {});
+  server.close_all();
+  std::string said;
+  while (said.empty()) said = complaint([&] { opened.source->start(); });
+  EXPECT_EQ(said, "lcm:" + server.url() + kGone);
+}
+
 TEST(LcmServerTest, WhoPublishesToAServerThatGoesAwayIsTold) {
   LocalLcmServer server(true);
   LcmLink link(server.url());

@@ -1,6 +1,9 @@
 #include "devices/base/sources.h"
 
+#include <string>
+
 #include <gtest/gtest.h>
+#include <headpin/mouse3d_v1_t.hpp>
 #include <headpin/tracked_device_v1_t.hpp>
 #include <headpin/tracked_device_v2_t.hpp>
 
@@ -174,6 +177,67 @@ TEST(MergedSource, HandsOutEachSampleWhenAReplayWould) {
     EXPECT_EQ(merged.exhausted(), replay.exhausted()) << now;
   }
   EXPECT_TRUE(merged.exhausted());
+}
+
+TEST(SampleMessages, OfAnOlderMouseAreRead) {
+  headpin::mouse3d_v1_t m{};
+  m.device_utime = 1000;
+  m.host_utime = 2000;
+  m.right_thumb = m.trigger = 1;
+  Buffer bytes;
+  encode_as(m, bytes);
+  const auto read = std::get<MouseSample>(*decode_sample(kMouseChannel, bytes));
+  EXPECT_EQ(read.device_time, Time{1000});
+  EXPECT_EQ(read.host_time, Time{2000});
+  EXPECT_EQ(read.session_time, Time{});
+  EXPECT_TRUE(read.right_thumb && read.trigger && !read.left_thumb);
+  EXPECT_FALSE(decode_sample(kTrackerChannel, bytes));
+  bytes.push_back(0);
+  EXPECT_FALSE(decode_sample(kMouseChannel, bytes));
+  EXPECT_FALSE(decode_sample("OTHER", bytes));
+}
+
+TEST(SampleMessages, EachNumberOfASampleIsPlausibleByItself) {
+  const TrackerSample good = sample(2, 5'000'000);
+  const auto is_plausible = [&](auto&& change) {
+    TrackerSample s = good;
+    change(s);
+    return plausible(s);
+  };
+  EXPECT_TRUE(is_plausible([](TrackerSample&) {}));
+  static constexpr Time kFar{4'000'000'000'000'000};
+  EXPECT_FALSE(is_plausible([](auto& s) { s.device_time = kFar; }));
+  EXPECT_FALSE(is_plausible([](auto& s) { s.host_time = -kFar; }));
+  EXPECT_FALSE(is_plausible([](auto& s) { s.session_time = kFar; }));
+  EXPECT_FALSE(is_plausible([](auto& s) { s.device_time = s.sent_time = kFar; }));
+  EXPECT_FALSE(is_plausible([](auto& s) {  // near each other, one too far
+    s.device_time = kFar - Time{1};
+    s.sent_time = kFar;
+  }));
+  EXPECT_FALSE(is_plausible([](auto& s) { s.sent_time = Time{1}; }));
+  EXPECT_FALSE(is_plausible([](auto& s) { s.X_TS.q.w() = 1.1; }));
+  // The Earth reaches so far.
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_TRUE(is_plausible([&](auto& s) { s.X_TS.p[axis] = -1e8; }));
+    EXPECT_FALSE(is_plausible([&](auto& s) { s.X_TS.p[axis] = 1.0001e8; }));
+  }
+  EXPECT_TRUE(is_plausible([](auto& s) { s.sequence = 999'999'999'999'999; }));
+  EXPECT_FALSE(is_plausible([](auto& s) { s.sequence = 1'000'000'000'000'000; }));
+  EXPECT_FALSE(is_plausible([](auto& s) { s.sequence = -1; }));
+  MouseSample mouse;
+  EXPECT_TRUE(plausible(mouse));
+  mouse.host_time = kFar;
+  EXPECT_FALSE(plausible(mouse));
+}
+
+TEST(SampleMessages, AStatusIsALetterOrASpaceOrSentAsX) {
+  TrackerSample s;
+  for (int byte = -128; byte < 128; ++byte) {
+    s.status = static_cast<char>(byte);
+    const std::string letters = " ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
+    const bool is_letter = letters.find(s.status) != std::string::npos;
+    EXPECT_EQ(status_letter(s), is_letter ? s.status : 'x') << byte;
+  }
 }
 
 }  // namespace
