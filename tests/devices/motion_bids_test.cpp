@@ -1,12 +1,15 @@
 #include "devices/recordings/motion_bids.h"
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
 #include <numbers>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -205,6 +208,169 @@ TEST(MotionBids, AFewSamplesWithoutAUnitQuaternionAreLeftOut) {
   EXPECT_THAT(read.notes, testing::Contains(
                               "1 samples of right_hand have no unit quaternion (the first, in line "
                               "3, one of length 0): left out"));
+}
+
+/// Channels of points with places and quaternions.
+std::string quaternion_channels(const std::vector<std::string>& points) {
+  std::string text = kBidsHeader + "\n";
+  for (const std::string& point : points) {
+    for (const char* axis : {"x", "y", "z"})
+      text += fmt::format("{0}{1}\t{1}\tPOS\t{0}\tm\n", point, axis);
+    for (const char* axis : {"w", "x", "y", "z"})
+      text += fmt::format("{0}q{1}\tquat_{1}\tORNT\t{0}\tn/a\n", point, axis);
+  }
+  return text;
+}
+
+std::vector<std::int64_t> times_in(const MotionTracks& read, std::size_t track = 0) {
+  std::vector<std::int64_t> times;
+  for (const auto& sample : read.tracks.at(track).second.samples())
+    times.push_back(sample.time.count());
+  return times;
+}
+
+TEST(MotionBids, WithoutLatencyRowsComeAtTheSamplingFrequency) {
+  const std::string row = "1\t2\t3\t1\t0\t0\t0\n";
+  const auto read = [&](double rate_hz) {
+    return parse_motion_bids(row + row + row, quaternion_channels({"head"}), "x",
+                             {.axes = "RSP", .rate_hz = rate_hz});
+  };
+  EXPECT_THAT(times_in(read(100.0)), testing::ElementsAre(0, 10'000, 20'000));
+  EXPECT_THAT(times_in(read(0.5)), testing::ElementsAre(0, 2'000'000, 4'000'000));
+  for (const double none : {0.0, -100.0, 1e6, 1e9}) {
+    EXPECT_THAT(complaint([&] { read(none); }), HasSubstr("x: no times: expected a LATENCY"))
+        << none;
+  }
+}
+
+TEST(MotionBids, ASampleWithAnyUnknownNumberIsLeftOut) {
+  const std::vector<std::string> numbers = {"1", "2", "3", "1", "0", "0", "0"};
+  const auto rows = [&](std::size_t columns) {  // the n-th row has n/a at n, the last one nowhere
+    std::string text;
+    for (std::size_t row = 0; row <= columns; ++row) {
+      for (std::size_t i = 0; i < columns; ++i)
+        text += fmt::format("{}{}", i == 0 ? "" : "\t", i == row ? "n/a" : numbers[i]);
+      text += "\n";
+    }
+    return text;
+  };
+  const MotionTracks quaternions = parse_motion_bids(rows(7), quaternion_channels({"head"}), "x",
+                                                     {.axes = "RSP", .rate_hz = 1.0});
+  EXPECT_THAT(times_in(quaternions), testing::ElementsAre(7'000'000));
+  EXPECT_THAT(quaternions.notes, testing::ElementsAre(HasSubstr("7 samples are n/a")));
+  const MotionTracks angles =
+      parse_motion_bids(rows(6), kBidsHeader + "\n" + point_channels("head", ""), "x",
+                        {.axes = "RSP", .rotation_order = "XYZ", .rate_hz = 1.0});
+  EXPECT_THAT(times_in(angles), testing::ElementsAre(6'000'000));
+  EXPECT_THAT(angles.notes, testing::ElementsAre(HasSubstr("6 samples are n/a")));
+}
+
+TEST(MotionBids, APointIsRefusedIfMoreThanHalfOfItsRowsHaveNoUnitQuaternion) {
+  const auto read = [](int bad) {
+    std::string rows;
+    for (int i = 0; i < 4; ++i) rows += row_of(fmt::format("{}", i), i < bad ? "0.5" : "1");
+    return parse_motion_bids(rows, channels_with_a_ball(), "x", {.axes = "RSP"});
+  };
+  EXPECT_THAT(times_in(read(2), 1), testing::ElementsAre(2'000'000, 3'000'000));
+  EXPECT_THAT(read(2).notes, testing::Contains(HasSubstr("2 samples of right_hand have no unit")));
+  EXPECT_THAT(
+      complaint([&] { read(3); }),
+      HasSubstr("x:1: right_hand: expected a unit quaternion, found one of length 0.5; 3 of "
+                "4 rows have none"));
+}
+
+TEST(MotionBids, PointsOfOtherFramesAreNotRead) {
+  const std::string row = "1\t2\t3\t1\t0\t0\t0";
+  const MotionTracks read =
+      parse_motion_bids(row + "\t" + row + "\n", quaternion_channels({"head", "eye"}), "x",
+                        {.name = "room", .axes = "RSP", .others = {"eye"}, .rate_hz = 1.0});
+  ASSERT_EQ(read.tracks.size(), 1u);
+  EXPECT_EQ(read.tracks[0].first, "head");
+}
+
+// Which points a recording cannot do without.
+TEST(MotionBids, APointThatIsNotWholeIsRefusedOnlyWhereNoOtherTakesItsPart) {
+  const auto read = [](const std::vector<std::string>& whole, const std::string& broken,
+                       const std::array<std::string, 3>& names = {}) {
+    std::string row;
+    for (std::size_t i = 0; i < whole.size(); ++i) row += "1\t2\t3\t1\t0\t0\t0\t";
+    return complaint([&] {
+      parse_motion_bids(row + "9\n",
+                        quaternion_channels(whole) + fmt::format("b\tx\tPOS\t{}\tm\n", broken), "x",
+                        {.axes = "RSP", .rate_hz = 1.0}, names);
+    });
+  };
+  const auto refused = [](const std::string& point) {
+    return HasSubstr("x: tracked point " + point + ": expected x, y, z and a whole quaternion");
+  };
+  EXPECT_EQ(read({"head", "right_hand"}, "left_hand"), "");
+  EXPECT_EQ(read({"head", "left_hand"}, "right_hand"), "");
+  EXPECT_EQ(read({"head", "left_hand"}, "hmd"), "");
+  EXPECT_THAT(read({"head"}, "right_hand"), refused("right_hand"));
+  EXPECT_THAT(read({"head", "ball"}, "right_hand"), refused("right_hand"));
+  EXPECT_THAT(read({"left_hand", "right_hand"}, "head"), refused("head"));
+  // Where the user names points, it is those.
+  const std::array<std::string, 3> told = {"cap", "", "glove"};
+  EXPECT_EQ(read({"cap", "glove"}, "right_hand", told), "");
+  EXPECT_EQ(read({"cap", "glove"}, "head", told), "");
+  EXPECT_THAT(read({"cap"}, "glove", told), refused("glove"));
+  EXPECT_THAT(read({"cap"}, "suit:glove", told), refused("suit:glove"));
+}
+
+TEST(MotionBids, FramesOfOneMeaningAreOneAndThoseThatDifferInAnythingAreTwo) {
+  const std::string bare = kBidsHeader + "\n" + point_channels("head", "");
+  const std::string room = kRoom + R"(,"hall":{"SpatialAxes":")";
+  const auto said = [&](const std::string& hall) {
+    return complaint([&] { bids_frame(bare, levels_of(room + hall), "x"); });
+  };
+  EXPECT_EQ(said(R"(ALS","RotationRule":"right-hand","RotationOrder":"ZXY"})"), "");
+  for (const char* other : {R"(ARS","RotationRule":"right-hand","RotationOrder":"ZXY"})",
+                            R"(ALS","RotationRule":"left-hand","RotationOrder":"ZXY"})",
+                            R"(ALS","RotationRule":"right-hand","RotationOrder":"ZYX"})",
+                            R"(ALS","RotationRule":"right-hand"})",
+                            R"(ALS","RotationRule":"n/a","RotationOrder":"ZXY"})"}) {
+    EXPECT_THAT(said(other), HasSubstr("which differ")) << other;
+  }
+  // Points in differently named frames of one meaning are together.
+  const std::string header = kBidsHeader + "\treference_frame\n";
+  const std::string both = levels_of(kRoom + "," + R"("hall")" + kRoom.substr(kRoom.find(':')));
+  const BidsFrame frame = bids_frame(
+      header + point_channels("head", "\troom") + point_channels("hand", "\thall"), both, "x");
+  EXPECT_EQ(frame.axes, "ALS");
+  EXPECT_THAT(frame.others, testing::IsEmpty());
+}
+
+TEST(MotionBids, QuaternionsNeedNoOrderAndNoRuleOfAngles) {
+  const std::string other = R"(,"hall":{"SpatialAxes":"ALS",)";
+  for (const char* rotations : {R"("RotationRule":"right-hand","RotationOrder":"XYZ"})",
+                                R"("RotationRule":"left-hand","RotationOrder":"ZXY"})"}) {
+    const BidsFrame frame =
+        bids_frame(quaternion_channels({"head"}), levels_of(kRoom + other + rotations), "x");
+    EXPECT_EQ(frame.axes, "ALS");
+    EXPECT_EQ(frame.rotation_order, "");
+    EXPECT_FALSE(frame.left_handed);
+  }
+}
+
+// Whatever else a ..._channels.json holds, it says no axes.
+TEST(MotionBids, AJsonThatDescribesNoFramesSaysNothing) {
+  const std::string channels =
+      kBidsHeader + "\treference_frame\n" + point_channels("head", "\troom");
+  for (const std::string json :
+       {"", "{", "[]", "[\"reference_frame\"]", "7", "{}", R"({"Levels":{}})",
+        R"({"reference_frame":7})", R"({"reference_frame":"Levels"})",
+        R"({"reference_frame":["Levels"]})", R"({"reference_frame":{}})",
+        R"({"reference_frame":{"Levels":7}})", R"({"reference_frame":{"Levels":["room"]}})"}) {
+    const BidsFrame frame = bids_frame(channels, json, "x");
+    EXPECT_EQ(frame.name, "room") << json;
+    EXPECT_EQ(frame.axes, "") << json;
+  }
+  for (const std::string level : {"7", "\"SpatialAxes\"", "[\"SpatialAxes\"]", "{}", "null",
+                                  R"({"SpatialAxes":7,"RotationOrder":null,"RotationRule":[]})"}) {
+    const BidsFrame frame = bids_frame(channels, levels_of("\"room\":" + level), "x");
+    EXPECT_EQ(frame.axes + frame.rotation_order, "") << level;
+    EXPECT_FALSE(frame.left_handed) << level;
+  }
 }
 
 }  // namespace
