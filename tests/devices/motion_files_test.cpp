@@ -461,5 +461,29 @@ TEST_F(MotionFilesIn, RotationsThatAreNotToBeReadMayBeUnusable) {
   }
 }
 
+// The log has 0, 0.6, 0, 0.8 for each rotation.
+TEST_F(MotionFilesIn, ARecordingSaysHowItsNumbersWereRead) {
+  const Packet log = vrpn_log();
+  spit(folder / "log.vrpn", {log.begin(), log.end()});
+  const MotionRecording plain = read("log.vrpn");
+  EXPECT_EQ(plain.reading.quaternion, "xyzw");
+  EXPECT_EQ(plain.reading.unit_m, 1.0);
+  EXPECT_EQ(plain.p_origin, Vec3::Zero());
+  EXPECT_LT(plain.head.at(0).q.angularDistance(Quat(0.8, 0, 0.6, 0)), 1e-12);
+
+  const MotionRecording told = read(
+      "log.vrpn", {.reading = {.unit_m = 0.01, .quaternion = "wxyz"}, .p_origin = {0, 0.5, 0}});
+  EXPECT_EQ(told.reading.quaternion, "wxyz");
+  EXPECT_EQ(told.reading.unit_m, 0.01);
+  EXPECT_EQ(told.p_origin, Vec3(0, 0.5, 0));
+  EXPECT_LT(told.head.at(0).q.angularDistance(Quat(0, 0.6, 0, 0.8)), 1e-12);
+  expect_near(told.head.at(0).p, Vec3(0.01, 0.52, 0.03));
+
+  // Rotations that are not to be read have no order that matters.
+  const MotionRecording level =
+      read("log.vrpn", {.reading = {.quaternion = "wxyz"}, .rotations = "none"});
+  EXPECT_EQ(level.head.at(0).q.angularDistance(Quat::Identity()), 0.0);
+}
+
 }  // namespace
 }  // namespace headpin::devices
