@@ -240,8 +240,8 @@ TEST_F(EventLogFile, HasTheEventsOfItsBytes) {
 
 TEST_F(EventLogFile, ThatIsCutWhileItIsReadEndsThere) {
   const LogBytes a = event_of("a", {}), bytes = joined({a, event_of("b", LogBytes(2'000'000)), a});
-  for (const std::size_t left : {std::size_t{0}, std::size_t{2}, a.size() + 2, a.size() + 28,
-                                 a.size() + 29, a.size() + 1'500'000}) {
+  for (const std::size_t left : {std::size_t{0}, std::size_t{2}, a.size() + 2, a.size() + 10,
+                                 a.size() + 28, a.size() + 29, a.size() + 1'500'000}) {
     FileWindow file(write(bytes));
     std::filesystem::resize_file(folder / "a.log", left);
     EXPECT_EQ(file.read(left / 2, 3'000'000).size(), left - left / 2);

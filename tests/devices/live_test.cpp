@@ -121,22 +121,22 @@ TEST(LiveLcmStatus, NamesTheStationsThatHaveMoreThanOnePublisher) {
 
 // The first of each kind at once, further ones every ten seconds.
 TEST(FaultNewsTest, AreToldAtOnceAndThenEveryTenSeconds) {
-  constexpr Time kSecond{1'000'000};
+  constexpr Time kOneSecond{1'000'000};
   FaultNews news;
   std::vector<SourceFault> faults = {{0, "a"}, {0, "b"}};
-  EXPECT_THAT(news.take(faults, kSecond), ElementsAre());
+  EXPECT_THAT(news.take(faults, kOneSecond), ElementsAre());
   faults[1].count = 1;
-  EXPECT_THAT(news.take(faults, kSecond + Time{1}), ElementsAre("b"));  // silence delays nothing
-  EXPECT_THAT(news.take(faults, 5 * kSecond), ElementsAre());
+  EXPECT_THAT(news.take(faults, kOneSecond + Time{1}), ElementsAre("b"));  // silence delays nothing
+  EXPECT_THAT(news.take(faults, 5 * kOneSecond), ElementsAre());
   faults[0].count = 2;
   faults[1].count = 5;
-  EXPECT_THAT(news.take(faults, 11 * kSecond), ElementsAre());
-  EXPECT_THAT(news.take(faults, 11 * kSecond + Time{1}), ElementsAre("a", "b"));
-  EXPECT_THAT(news.take(faults, 30 * kSecond), ElementsAre());  // the same
+  EXPECT_THAT(news.take(faults, 11 * kOneSecond), ElementsAre());
+  EXPECT_THAT(news.take(faults, 11 * kOneSecond + Time{1}), ElementsAre("a", "b"));
+  EXPECT_THAT(news.take(faults, 30 * kOneSecond), ElementsAre());  // the same
   faults[0].count = 3;
-  EXPECT_THAT(news.take(faults, 30 * kSecond), ElementsAre("a"));
+  EXPECT_THAT(news.take(faults, 30 * kOneSecond), ElementsAre("a"));
   faults[1].count = 6;
-  EXPECT_THAT(news.take(faults, 31 * kSecond), ElementsAre());
+  EXPECT_THAT(news.take(faults, 31 * kOneSecond), ElementsAre());
   EXPECT_THAT(news.take_rest(faults), ElementsAre("b"));
 }
 
