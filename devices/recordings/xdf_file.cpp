@@ -283,7 +283,7 @@ class XdfReader {
   /// After a chunk whose end is not known: goes to the next boundary. False at the end of the file.
   bool go_on(const std::string& what) {
     const std::size_t from = at_;
-    const std::size_t boundary = find_boundary(from + 1);
+    const std::size_t boundary = find_boundary(from);
     if (boundary == bytes_.size) {
       note(fmt::format(
           "the file ends inside a chunk, or is damaged from byte {} on ({}): the {} bytes "

@@ -13,6 +13,7 @@
 #include "devices/recordings/xdf_clock.h"
 #include "devices/recordings/xdf_motion.h"
 #include "devices/recordings/xdf_writer.h"
+#include "tests/devices/xdf_reading.h"
 #include "tests/support/xdf_bytes.h"
 
 namespace headpin::devices {
@@ -20,18 +21,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-XdfBytes bytes_in(const std::string& file) {
-  return {file.size(), [&file](std::size_t at, std::size_t count) {
-            at = std::min(at, file.size());
-            return std::span(reinterpret_cast<const std::uint8_t*>(file.data()) + at,
-                             std::min(count, file.size() - at));
-          }};
-}
-
-XdfFile read_all_streams(const std::string& file) {
-  return read_xdf(bytes_in(file), "x.xdf", [](const XdfStream&) { return true; });
-}
 
 TEST(XdfFile, NumbersOfEveryFormatAreRead) {
   const auto numbers = [](const std::string& format, const std::string& value) {
