@@ -99,12 +99,28 @@ std::size_t numbers_in(const Cells& cells, bool decimal_comma) {
       cells, [&](std::string_view cell) { return number_of(cell, decimal_comma).has_value(); }));
 }
 
+constexpr std::size_t kLooked = 50;  // lines at the beginning and at the end
+
+/// Whether blanks part the lines that are looked at into equally many cells.
+bool blanks_part_evenly(const std::vector<Line>& lines) {
+  std::size_t cells = 0;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (lines[i].comment || (i >= kLooked && i + kLooked < lines.size())) continue;
+    const std::size_t its = split(lines[i].text, ' ').size();
+    if (cells > 0 && its != cells) return false;
+    cells = its;
+  }
+  return true;
+}
+
 /// The style in which most cells of the last lines are numbers.
 Style style_of(const std::vector<Line>& lines) {
-  constexpr std::size_t kLooked = 50;
   Style best;
   double most = 0.0;
   const std::size_t first = lines.size() - std::min(lines.size(), kLooked);
+  // An empty cell is no word, unless several tabs are one separator.
+  const bool count_empty = blanks_part_evenly(lines);
+  const auto counts = [&](std::string_view cell) { return count_empty || !cell.empty(); };
   for (const char separator : {',', ';', '\t', '|', ' '}) {
     for (const bool decimal_comma : {false, true}) {
       if (separator == ',' && decimal_comma) continue;
@@ -112,7 +128,7 @@ Style style_of(const std::vector<Line>& lines) {
       for (std::size_t i = first; i < lines.size(); ++i) {
         if (lines[i].comment) continue;
         const Cells split_up = split(lines[i].text, separator);
-        cells += split_up.size();
+        cells += static_cast<std::size_t>(std::ranges::count_if(split_up, counts));
         numbers += numbers_in(split_up, decimal_comma);
       }
       // Many numbers, and few words beside them.
@@ -190,7 +206,7 @@ class Header {
     std::string_view text = trimmed(line.text);
     if (line.comment) {
       if (!last) return;
-      text.remove_prefix(text.find_first_not_of("#%/ \t"));
+      text.remove_prefix(std::min(text.find_first_not_of("#%/ \t"), text.size()));
     } else {
       text = line.text;
     }
