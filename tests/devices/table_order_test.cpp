@@ -2,8 +2,11 @@
 
 #include "devices/recordings/table_order.h"
 
+#include <cmath>
 #include <cstddef>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -103,6 +106,150 @@ TEST(TableOrder, OfTwoGapsWhoseRowsComeLaterIsThatOfOneRecording) {
       }
     }
   }
+}
+
+// A gap is no place where rows follow each other, but the row before it and the one behind it are.
+TEST(TableOrder, OfFiveRowsThatLieAmongOthersIsThatOfTwoRecordings) {
+  const std::vector<double> first = then(at_rate(0.0, 50, 0.02), at_rate(3.0, 50, 0.02));
+  const auto rows = [&](std::size_t from, std::size_t to) {
+    return std::vector<double>(first.begin() + static_cast<std::ptrdiff_t>(from),
+                               first.begin() + static_cast<std::ptrdiff_t>(to));
+  };
+  EXPECT_EQ(starts_again(then(first, rows(45, 50))), Row(100u));  // to the one before the gap
+  EXPECT_EQ(starts_again(then(first, rows(50, 55))), Row(100u));
+  EXPECT_EQ(starts_again(then(first, rows(46, 50))), Row());
+  EXPECT_EQ(starts_again(then(first, at_rate(1.5, 5, 0.02))), Row());
+  EXPECT_EQ(starts_again(then(first, at_rate(0.002, 5, 0.004))), Row(100u));  // between two rows
+  // Rows behind those that were given do not count.
+  const std::vector<double> longer = then(first, rows(40, 50));
+  EXPECT_EQ(starts_again(std::span(longer).first(104)), Row());
+  EXPECT_EQ(starts_again(std::span(longer).first(105)), Row(100u));
+}
+
+TEST(TableOrder, StepsBackByMoreThanHalfASecond) {
+  const std::vector<double> first = at_rate(0.0, 100, 1.0 / 64.0);
+  // The third last is row 97, at 97/64 s.
+  EXPECT_EQ(starts_again(then(first, at_rate(65.0 / 64.0, 20, 1.0 / 64.0))), Row());
+  EXPECT_EQ(starts_again(then(first, at_rate(64.0 / 64.0, 20, 1.0 / 64.0))), Row(100u));
+}
+
+TEST(TableOrder, OfRowsThatShareTheirTimesIsThatOfTwoRecordings) {
+  const auto each_twice = [](const std::vector<double>& times) {
+    std::vector<double> twice;
+    for (const double time : times) twice.insert(twice.end(), 2, time);
+    return twice;
+  };
+  const std::vector<double> first = each_twice(at_rate(0.0, 60, 0.02));
+  EXPECT_EQ(starts_again(then(first, each_twice(at_rate(0.005, 60, 0.02)))), Row(120u));
+  EXPECT_EQ(starts_again(then(first, each_twice(at_rate(1.2, 60, 0.02)))), Row());
+  // A slow one, in which each sixth row has the time of the one above it.
+  std::vector<double> slow;
+  for (int i = 0; i < 60; ++i) slow.insert(slow.end(), i % 5 == 4 ? 2 : 1, 0.2 * i);
+  EXPECT_EQ(starts_again(then(slow, at_rate(0.06, 20, 0.2))), Row(slow.size()));
+}
+
+// Twenty rows say that a recording is slow, also where one in ten is earlier than the one above it.
+TEST(TableOrder, OfASlowRecordingIsSaidByTwentyRows) {
+  const auto again = [](std::vector<double> first) {
+    return starts_again(then(first, at_rate(0.06, 10, 0.2)));
+  };
+  EXPECT_EQ(again(at_rate(0.0, 20, 0.2)), Row(20u));
+  EXPECT_EQ(again(at_rate(0.0, 19, 0.2)), Row());
+  std::vector<double> late = at_rate(0.0, 20, 0.2);
+  std::swap(late[12], late[13]);
+  std::swap(late[16], late[17]);
+  EXPECT_EQ(again(late), Row(20u));
+  std::swap(late[8], late[9]);
+  EXPECT_EQ(again(late), Row());
+  // By the lower quartile of its steps, wherever the short ones stand.
+  for (std::size_t row = 1; row < 59; ++row) {
+    std::vector<double> early = at_rate(0.0, 60, 0.2);
+    early[row] -= 0.15;
+    EXPECT_EQ(again(early), Row(60u)) << row;
+  }
+}
+
+// The lower quartile of steps, not the one that stands there.
+TEST(TableOrder, OfRowsOfWhichOthersAreMissingIsThatOfTwoRecordings) {
+  std::vector<double> first;
+  for (const double time : at_rate(0.0, 200, 0.01)) {
+    const long row = std::lround(time / 0.01);
+    if (row % 8 < 5) first.push_back(time);  // steps of 10, 10, 10, 10 and 40 ms
+  }
+  EXPECT_EQ(starts_again(then(first, at_rate(0.002, 20, 0.01))), Row(first.size()));
+  std::vector<double> late;
+  for (int i = 0; i < 25; ++i) late.insert(late.end(), {0.08 * i + 0.05, 0.08 * i + 0.06});
+  EXPECT_EQ(starts_again(then(first, late)), Row());
+}
+
+// Rows that are lost again and again and come later were taken for a second recording, were they bursts.
+TEST(TableOrder, OfSeveralRowsBetweenGapsIsThatOfBurstsOnlyWhereGapsAreLongAndMany) {
+  const auto without = [](int of, int from, bool lost) {
+    std::vector<double> times;
+    for (int i = 0; i < 3000; ++i) {
+      if ((i % of >= from) == lost) times.push_back(3.0 + 0.001 * i);
+    }
+    return times;
+  };
+  EXPECT_EQ(starts_again(then(without(8, 5, false), without(8, 5, true))), Row());  // short gaps
+  EXPECT_EQ(starts_again(then(without(24, 10, false), without(24, 10, true))), Row());  // few
+  EXPECT_EQ(starts_again(then(without(24, 6, false), without(24, 6, true))),
+            Row(without(24, 6, false).size()));
+}
+
+// Five gaps say that rows come in bursts, also when the first recording was shorter than sixty rows there.
+TEST(TableOrder, OfBurstsOfEightRowsIsSaidByFiveGaps) {
+  std::vector<double> first;
+  for (int burst = 0; burst < 60; ++burst) {
+    for (int i = 0; i < 8; ++i) first.push_back(0.02 * burst + 3e-4 * i);
+  }
+  const std::vector<double> fourth = {0.065, 0.067, 0.069, 0.071, 0.073};
+  const std::vector<double> fifth = {0.085, 0.087, 0.089, 0.091, 0.093};
+  EXPECT_EQ(starts_again(then(first, fourth)), Row());
+  EXPECT_EQ(starts_again(then(first, fifth)), Row(first.size()));
+}
+
+/// Rows with one at `time_s` in the place of the one that is missing between them.
+bool is_stray_at(double time_s, std::vector<double> above, const std::vector<double>& below) {
+  const std::size_t row = above.size();
+  above.push_back(time_s);
+  return is_stray(then(std::move(above), below), row);
+}
+
+TEST(StrayRow, HasTwoRowsAboveAndTwoBelow) {
+  std::vector<double> times = at_rate(1.0, 40, 0.02);
+  times[17] = 9.0;
+  const std::span<const double> all = times;
+  EXPECT_TRUE(is_stray(all, 17));
+  EXPECT_FALSE(is_stray(all, 16));
+  EXPECT_TRUE(is_stray(all.subspan(15), 2));
+  EXPECT_FALSE(is_stray(all.subspan(16), 1));
+  EXPECT_FALSE(is_stray(all.subspan(17), 0));
+  EXPECT_TRUE(is_stray(all.first(20), 17));
+  EXPECT_FALSE(is_stray(all.first(19), 17));
+  EXPECT_FALSE(is_stray(all.first(18), 17));
+}
+
+TEST(StrayRow, IsMoreThanHalfASecondFromThoseAroundIt) {
+  EXPECT_TRUE(is_stray_at(9.0, {0.92, 1.0}, {1.16, 1.24}));
+  EXPECT_TRUE(is_stray_at(0.49, {0.92, 1.0}, {1.16, 1.24}));
+  EXPECT_FALSE(is_stray_at(0.55, {0.92, 1.0}, {1.16, 1.24}));  // 0.45 s and 0.61 s
+  EXPECT_FALSE(is_stray_at(1.61, {0.92, 1.0}, {1.16, 1.24}));
+  const double step = 1.0 / 64.0;
+  EXPECT_FALSE(is_stray_at(1.0 - 0.5, {1.0 - step, 1.0}, {1.0 + 2 * step, 1.0 + 3 * step}));
+  EXPECT_TRUE(is_stray_at(1.0 - 0.51, {1.0 - step, 1.0}, {1.0 + 2 * step, 1.0 + 3 * step}));
+}
+
+TEST(StrayRow, IsWhereOneRowIsMissing) {
+  // Longer than one and a half of the steps on both sides, and below 0.2 s.
+  EXPECT_FALSE(is_stray_at(9.0, {0.94, 1.0}, {1.04, 1.06}));
+  EXPECT_FALSE(is_stray_at(9.0, {0.98, 1.0}, {1.04, 1.10}));
+  EXPECT_TRUE(is_stray_at(9.0, {0.98, 1.0}, {1.04, 1.06}));
+  const double step = 1.0 / 32.0;
+  EXPECT_FALSE(is_stray_at(9.0, {1.0 - step, 1.0}, {1.0 + 1.5 * step, 1.0 + 2.5 * step}));
+  EXPECT_FALSE(is_stray_at(9.0, {1.0, 1.0}, {1.1, 1.1}));
+  EXPECT_FALSE(is_stray_at(9.0, {-0.1, 0.0}, {0.2, 0.3}));
+  EXPECT_TRUE(is_stray_at(9.0, {-0.1, 0.0}, {0.19, 0.29}));
 }
 
 }  // namespace
