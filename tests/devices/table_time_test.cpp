@@ -177,6 +177,14 @@ TEST(UnitOfTime, IsOfTheMiddleStepForward) {
   EXPECT_EQ(time_in({"0", "10", "3000", "6000", "6010", "6020"}).unit_s, 1e-3);
   EXPECT_EQ(time_in({"0", "0", "0", "10", "10", "10", "20", "20", "20"}).unit_s, 1e-3);
   EXPECT_EQ(time_in({"40", "50", "30", "40", "20", "30", "0", "10"}).unit_s, 1e-3);
+  // Few are short or long: the first, those at both ends and the one in the middle.
+  std::vector<std::string> cells = {"0"};
+  int at = 0;
+  for (int step = 0; step < 21; ++step) {
+    at += step == 0 ? 1 : step == 1 || step == 10 || step == 20 ? 5000 : 10;
+    cells.push_back(fmt::format("{}", at));
+  }
+  EXPECT_EQ(time_in(cells).unit_s, 1e-3);
 }
 
 TEST(UnitOfTime, OfFramesIsByTheRateOfTheTable) {
