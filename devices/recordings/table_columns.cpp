@@ -13,17 +13,20 @@
 namespace headpin::devices {
 namespace {
 
+/// The only column with a name of this kind; none if several have it.
+std::optional<std::size_t> only_column(const AnyTable& table, std::string_view name,
+                                       std::string FoundColumn::*kind) {
+  if (std::ranges::count(table.columns, name, kind) != 1) return std::nullopt;
+  return static_cast<std::size_t>(std::ranges::find(table.columns, name, kind) -
+                                  table.columns.begin());
+}
+
 std::optional<std::size_t> column_called(const AnyTable& table, std::string_view name) {
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    if (table.columns[c].name == name || table.columns[c].written == name ||
-        name == fmt::format("#{}", c + 1)) {
-      return c;
-    }
+    if (table.columns[c].name == name || name == fmt::format("#{}", c + 1)) return c;
   }
-  const auto is_it = [&](const FoundColumn& column) { return column.last == name; };
-  if (std::ranges::count_if(table.columns, is_it) != 1) return std::nullopt;
-  return static_cast<std::size_t>(std::ranges::find_if(table.columns, is_it) -
-                                  table.columns.begin());
+  if (const auto found = only_column(table, name, &FoundColumn::written)) return found;
+  return only_column(table, name, &FoundColumn::last);
 }
 
 /// Puts what the user told into the columns.
@@ -202,14 +205,14 @@ std::optional<std::size_t> loose_trigger(const AnyTable& table, const Objects& o
   return found[1] ? found[1] : found[0];
 }
 
-/// The words in a column, at most twenty of them; none if it has numbers.
+/// The words in a column; none if there are more than twenty, or numbers.
 std::vector<std::string> words_in(const AnyTable& table, std::size_t column) {
   std::vector<std::string> words;
   for (const AnyTable::Row& row : table.rows) {
     const std::string_view cell = row.cells[column];
-    if (cell.empty()) continue;
-    if (words.size() >= 20 || table.number(cell)) return {};
-    if (std::ranges::find(words, cell) == words.end()) words.emplace_back(cell);
+    if (cell.empty() || std::ranges::find(words, cell) != words.end()) continue;
+    if (words.size() == 20 || table.number(cell)) return {};
+    words.emplace_back(cell);
   }
   return words;
 }
