@@ -278,5 +278,66 @@ TEST(Markers, WithoutAHeaderAreReadCellByCell) {
               HasSubstr("m.csv:1: expected a time beside"));
 }
 
+TEST(ColumnNames, SayAComponentOnlyBehindWordsOfItsKind) {
+  struct Case {
+    const char* name;
+    Quantity quantity;
+    std::size_t index;
+    const char* object;
+  };
+  for (const Case& one : {
+           // A word such as "grip" is a trigger at the end, or before a word of its value.
+           Case{"grip_x", Quantity::position, 0, "grip"},
+           Case{"trigger_touched", Quantity::none, 0, ""},
+           Case{"battery_value", Quantity::none, 0, ""},
+           Case{"value", Quantity::none, 0, ""},
+           Case{"left_grip_axis", Quantity::trigger, 0, "left"},
+           // Of an angle the word before, and what says nothing, are no object.
+           Case{"head_rot_yaw_deg", Quantity::angle, 1, "head"},
+           Case{"head_local_rot_pitch", Quantity::angle, 0, "head local"},
+           Case{"head_angles_roll", Quantity::angle, 2, "head"},
+           Case{"pitch", Quantity::angle, 0, ""},
+           // A matrix has two digits from 0 to 3.
+           Case{"head_m00", Quantity::matrix, 0, "head"},
+           Case{"head_m33", Quantity::matrix, 33, "head"},
+           Case{"head_m34", Quantity::none, 0, ""},
+           Case{"head_m0", Quantity::none, 0, ""},
+           Case{"head_m111", Quantity::none, 0, ""},
+           Case{"head_t00", Quantity::none, 0, ""},
+           Case{"00", Quantity::none, 0, ""},
+           Case{"head_rotation_rx", Quantity::quaternion, 1, "head rotation"},
+           // Of a rotation two words may say what it is, of a position one.
+           Case{"head_rot_q_x", Quantity::quaternion, 1, "head"},
+           Case{"head_rotation_euler_y", Quantity::angle, 1, "head"},
+           Case{"head_t_pos_x", Quantity::position, 0, "head t"},
+           Case{"p_position_x", Quantity::position, 0, "p"},
+           Case{"rot_x", Quantity::quaternion, 1, ""},
+           Case{"x", Quantity::position, 0, ""},
+           Case{"w", Quantity::quaternion, 0, ""},
+           Case{"deg", Quantity::none, 0, ""},
+       }) {
+    const Component found = component_of(one.name);
+    EXPECT_EQ(found.quantity, one.quantity) << one.name;
+    EXPECT_EQ(found.index, one.index) << one.name;
+    EXPECT_EQ(found.object, one.object) << one.name;
+  }
+}
+
+TEST(ColumnNames, EndWhereTheirTextEnds) {
+  EXPECT_THAT(words_of(std::string_view("HMDx").substr(0, 3)), ElementsAre("hmd"));
+  EXPECT_THAT(words_of("HMDx"), ElementsAre("hm", "dx"));
+}
+
+TEST(ColumnNames, SayAHandByItsLetterAlone) {
+  EXPECT_EQ(part_of_name("smart glasses"), 0u);
+  EXPECT_EQ(part_of_name("viewer"), 0u);
+  EXPECT_EQ(part_of_name("head"), 0u);
+  EXPECT_EQ(part_of_name("ctrl r"), 2u);
+  EXPECT_EQ(part_of_name("rhand"), 2u);
+  EXPECT_EQ(part_of_name("lhand"), 1u);
+  EXPECT_EQ(part_of_name("review"), std::nullopt);
+  EXPECT_EQ(part_of_name("rl"), std::nullopt);
+}
+
 }  // namespace
 }  // namespace headpin::devices

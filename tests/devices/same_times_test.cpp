@@ -182,5 +182,55 @@ TEST(SameTimes, OfAThrowingHandWithAGapHaveIt) {
                            "gap there"));
 }
 
+/// A resting track of `count` samples, a sample each `step`.
+PoseTrack resting(std::size_t count, Time step) {
+  PoseTrack track;
+  for (std::size_t i = 0; i < count; ++i)
+    track.push(step * static_cast<int>(i), {Quat::Identity(), Vec3::Zero()});
+  return track;
+}
+
+TEST(SameTimes, AreThoseOfAHandOfUpTo250SamplesASecondHoweverLongItIs) {
+  const PoseTrack head = resting(21, Time{100'000});  // 2 s
+  const auto timer = [&](const PoseTrack& hand) { return timing_part({&head, nullptr, &hand}, 2); };
+  EXPECT_EQ(timer(resting(401, Time{5'000})), 2u);
+  EXPECT_EQ(timer(resting(501, Time{4'000})), 2u);
+  EXPECT_EQ(timer(resting(502, Time{3'999})), 0u);
+  // One sample has no rate, two have.
+  EXPECT_EQ(timer(resting(1, Time{1'000})), 2u);
+  EXPECT_EQ(timer(resting(2, Time{4'000})), 2u);
+  EXPECT_EQ(timer(resting(2, Time{3'999})), 0u);
+}
+
+TEST(SameTimes, OfATrackWithATwentiethMoreSamplesNeedNoNote) {
+  const PoseTrack hand = resting(21, Time{10'000});
+  PoseTrack twentieth, more;
+  for (const Stamped<Pose>& sample : hand.samples()) {
+    if (sample.time != Time{100'000}) twentieth.push(sample.time, sample.value);
+    if (sample.time != Time{50'000} && sample.time != Time{100'000})
+      more.push(sample.time, sample.value);
+  }
+  EXPECT_THAT(joined(hand, nullptr, &twentieth).notes, testing::IsEmpty());  // 21 for 20
+  EXPECT_THAT(joined(twentieth, nullptr, &hand).notes, testing::IsEmpty());
+  EXPECT_THAT(joined(hand, nullptr, &more).notes,
+              testing::ElementsAre("21 samples of the head are interpolated at the 19 times of "
+                                   "the right hand"));
+}
+
+TEST(SameTimes, InAGapOfAllHaveNoNoteOfTheHandAlone) {
+  PoseTrack head, hand;
+  const PoseTrack whole = moving(Time{0}, Time{10'000}, 6.0);
+  for (const Stamped<Pose>& sample : whole.samples()) {
+    if (sample.time > Time{400'000} && sample.time < Time{600'000}) continue;
+    head.push(sample.time, sample.value);
+    hand.push(sample.time, sample.value);
+  }
+  EXPECT_THAT(joined(head, nullptr, &hand).notes, testing::IsEmpty());
+  // Nor where the times of the head are taken, and it has more samples.
+  const PoseTrack slow = moving(Time{0}, Time{20'000}, 6.0);
+  EXPECT_THAT(together({&slow, nullptr, &hand}, 2, 0, "x").notes,
+              testing::Not(testing::Contains(HasSubstr("the recording has a gap there"))));
+}
+
 }  // namespace
 }  // namespace headpin::devices

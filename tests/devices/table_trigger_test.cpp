@@ -1,3 +1,5 @@
+#include "devices/recordings/table_trigger.h"
+
 #include <functional>
 #include <string>
 #include <vector>
@@ -135,6 +137,53 @@ TEST(TableHeader, IsNotMixedWithALineOfOtherWords) {
                    "right_x,right_y,right_z,right_qw,right_qx,right_qy,right_qz,trigger\n");
   EXPECT_EQ(tracks.tracks.size(), 2u);
   EXPECT_EQ(changes_ms(tracks).size(), 2u);
+}
+
+/// A table of two columns that may be a trigger.
+std::string two_columns(const std::vector<std::pair<double, double>>& rows,
+                        const std::string& names = "menu,pull") {
+  std::string text = fmt::format("time,{},number\n", names);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    text += fmt::format("{:.2f},{},{},1\n", 0.01 * static_cast<double>(i), rows[i].first,
+                        rows[i].second);
+  return text;
+}
+
+// A press is above half of the largest value, so at half of it a trigger is let go.
+TEST(TableTrigger, OfTwoColumnsIsTheOneThatComesBackToHalfOfItsLargestValue) {
+  const auto better = [](const std::vector<std::pair<double, double>>& rows,
+                         const std::string& names = "menu,pull") {
+    const std::string text = two_columns(rows, names);
+    return better_trigger(read_any_table(text, "t.csv"), 1, 2);
+  };
+  EXPECT_EQ(better({{0, 50}, {0, 100}, {0, 50}, {0, 50}}), 2u);
+  EXPECT_EQ(better({{0, 40}, {0, 100}, {0, 40}, {0, 100}}), 2u);
+  EXPECT_EQ(better({{0, 51}, {0, 100}, {0, 51}, {0, 100}}), 1u);
+  EXPECT_EQ(better({{0, 0}, {0, 0.2}, {0, 0.09}, {0, 0.2}}), 2u);
+  // One that stays pressed is not let go.
+  EXPECT_EQ(better({{0, 0}, {1, 1}, {1, 1}, {1, 0}}), 2u);
+  // Of none, and of two of them, the one of that name, else the first.
+  EXPECT_EQ(better({{0, 0}, {0, 0}, {0, 0}}), 1u);
+  EXPECT_EQ(better({{0, 0}, {0, 0}, {0, 0}}, "menu,trigger"), 2u);
+  EXPECT_EQ(better({{-1, -1}, {-3, -1}, {0, -1}, {-1, -1}}, "menu,pull"), 1u);
+}
+
+TEST(TableTrigger, IsPressedAboveHalfOfItsLargestValueWithoutANote) {
+  const std::string text = two_columns({{0, 0}, {50, 0}, {51, 0}, {100, 0}, {50, 0}, {40, 0}});
+  const AnyTable table = read_any_table(text, "t.csv");
+  TimedRows rows;
+  for (const AnyTable::Row& row : table.rows)
+    rows.emplace_back(Time{10'000} * static_cast<int>(rows.size()), &row);
+  std::vector<std::string> notes;
+  const std::vector<Stamped<bool>> changes = presses(table, 1, rows, notes);
+  ASSERT_EQ(changes.size(), 2u);
+  EXPECT_EQ(changes[0].time, Time{20'000});
+  EXPECT_TRUE(changes[0].value);
+  EXPECT_EQ(changes[1].time, Time{40'000});
+  EXPECT_FALSE(changes[1].value);
+  EXPECT_THAT(notes, IsEmpty());
+  EXPECT_THAT(presses(table, 2, rows, notes), IsEmpty());
+  EXPECT_THAT(notes, ElementsAre("the trigger 'pull' is never pressed and let go: not used"));
 }
 
 }  // namespace
