@@ -123,7 +123,10 @@ std::vector<std::string> words_of(std::string_view name) {
   char before = ' ';
   for (std::size_t i = 0; i < name.size(); ++i) {
     const char c = name[i], after = i + 1 < name.size() ? name[i + 1] : ' ';
-    const bool part_of_word = is(c, std::isalnum) || static_cast<unsigned char>(c) >= 128;
+    const auto byte = static_cast<unsigned char>(c);
+    const bool part_of_word = is(c, std::isalnum) || byte >= 128;
+    // Letters beyond ASCII that follow each other are of one word.
+    const bool goes_on = byte >= 128 && static_cast<unsigned char>(before) >= 128;
     // "posX" and "HMDPos" are two words each.
     const bool capital =
         is(c, std::isupper) &&
@@ -131,8 +134,8 @@ std::vector<std::string> words_of(std::string_view name) {
     const bool begins =
         !is(before, std::isalnum) || capital || is(c, std::isdigit) != is(before, std::isdigit);
     if (part_of_word) {
-      if (begins || words.empty()) words.emplace_back();
-      words.back() += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+      if ((begins && !goes_on) || words.empty()) words.emplace_back();
+      words.back() += static_cast<char>(std::tolower(byte));
     }
     before = c;
   }

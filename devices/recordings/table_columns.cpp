@@ -67,12 +67,14 @@ class Told {
   std::array<bool, 3> done() {
     std::array<bool, 3> told{};
     for (auto& [part, object] : objects_) {
-      if (object.columns.rotation == RotationKind::none) finish(object);
-      if (!whole(object.columns.position)) continue;
-      const std::optional<std::size_t> trigger = columns_.parts[part].trigger;
-      columns_.parts[part] = object.columns;
-      if (!object.columns.trigger) columns_.parts[part].trigger = trigger;
+      finish(object);
+      told[part] = whole(object.columns.position);
+      if (told[part]) set(part, object.columns);
+    }
+    for (auto& [part, columns] : whole_parts_) {
+      add(part, columns);
       told[part] = true;
+      set(part, columns);
     }
     return told;
   }
@@ -85,6 +87,9 @@ class Told {
       if (whole(from)) to = from;
     };
     const PartColumns& its = told->second.columns;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (its.position[i]) found.position[i] = its.position[i];
+    }
     take(its.quaternion, found.quaternion);
     take(its.angles, found.angles);
     take(its.matrix, found.matrix);
@@ -93,6 +98,13 @@ class Told {
   }
 
  private:
+  /// A trigger of both hands stays, unless the hand has its own.
+  void set(std::size_t part, const PartColumns& told) {
+    const std::optional<std::size_t> trigger = columns_.parts[part].trigger;
+    columns_.parts[part] = told;
+    if (!told.trigger) columns_.parts[part].trigger = trigger;
+  }
+
   std::size_t column(const ToldColumn& told) const {
     if (const auto found = column_called(table_, told.column)) return *found;
     std::vector<std::string> names;
@@ -126,13 +138,14 @@ class Told {
               found.size() > 1 ? fmt::format("are of {} objects", found.size()) : "lack x, y or z"),
           "expected x, y and z of one object");
     }
-    objects_[part] = found.front().second;
+    whole_parts_[part] = found.front().second.columns;
   }
 
   const AnyTable& table_;
   std::string_view where_;
   MotionColumns& columns_;
-  std::map<std::size_t, Object> objects_;
+  std::map<std::size_t, Object> objects_;  // of components
+  std::map<std::size_t, PartColumns> whole_parts_;
 };
 
 using Candidates = std::vector<const std::pair<std::string, Object>*>;
@@ -246,32 +259,6 @@ void find_objects(const AnyTable& table, const Objects& objects, bool only_hand_
   }
 }
 
-void say_meanings(const AnyTable& table, MotionColumns& columns) {
-  columns.meanings.assign(table.columns.size(), "");
-  const auto say = [&](const std::optional<std::size_t>& column, const std::string& what) {
-    if (!column) return;
-    std::string& meaning = columns.meanings[*column];
-    meaning += (meaning.empty() ? "" : "; ") + what;
-  };
-  say(columns.time, "time");
-  say(columns.object, "the object of the row");
-  for (std::size_t part = 0; part < 3; ++part) {
-    const PartColumns& its = columns.parts[part];
-    if (!its.tracked()) continue;
-    const auto each = [&](const auto& places, const char* what, std::string_view letters) {
-      for (std::size_t i = 0; i < places.size(); ++i) {
-        say(places[i], fmt::format("{}, {} {}", kPartNames[part], what, letters[i]));
-      }
-    };
-    each(its.position, "position", "xyz");
-    if (its.rotation == RotationKind::quaternion) each(its.quaternion, "quaternion", "wxyz");
-    if (its.rotation == RotationKind::angles) each(its.angles, "angle about", "xyz");
-    if (its.rotation == RotationKind::vector) each(its.angles, "rotation vector", "xyz");
-    if (its.rotation == RotationKind::matrix) each(its.matrix, "matrix element", "012345678");
-    if (part > 0) say(its.trigger, fmt::format("{}, trigger", kPartNames[part]));
-  }
-}
-
 void say_missing(const AnyTable& table, MotionColumns& columns) {
   if (!columns.time) columns.missing.emplace_back("no column of the time was found");
   const auto lacks = [&](const char* what) {
@@ -339,6 +326,32 @@ ToldColumns mapping_of(const AnyTable& table, const MotionColumns& columns) {
     if (part > 0) tell(fmt::format("{}.trigger", kPartKeys[part]), its.trigger);
   }
   return all;
+}
+
+void say_meanings(const AnyTable& table, MotionColumns& columns) {
+  columns.meanings.assign(table.columns.size(), "");
+  const auto say = [&](const std::optional<std::size_t>& column, const std::string& what) {
+    if (!column) return;
+    std::string& meaning = columns.meanings[*column];
+    meaning += (meaning.empty() ? "" : "; ") + what;
+  };
+  say(columns.time, "time");
+  say(columns.object, "the object of the row");
+  for (std::size_t part = 0; part < 3; ++part) {
+    const PartColumns& its = columns.parts[part];
+    if (!its.tracked()) continue;
+    const auto each = [&](const auto& places, const char* what, std::string_view letters) {
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        say(places[i], fmt::format("{}, {} {}", kPartNames[part], what, letters[i]));
+      }
+    };
+    each(its.position, "position", "xyz");
+    if (its.rotation == RotationKind::quaternion) each(its.quaternion, "quaternion", "wxyz");
+    if (its.rotation == RotationKind::angles) each(its.angles, "angle about", "xyz");
+    if (its.rotation == RotationKind::vector) each(its.angles, "rotation vector", "xyz");
+    if (its.rotation == RotationKind::matrix) each(its.matrix, "matrix element", "012345678");
+    if (part > 0) say(its.trigger, fmt::format("{}, trigger", kPartNames[part]));
+  }
 }
 
 MotionColumns find_columns(const AnyTable& table, const ToldColumns& told, bool only_hand_is_left,

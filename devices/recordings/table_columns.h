@@ -75,6 +75,9 @@ struct MotionColumns {
 MotionColumns find_columns(const AnyTable& table, const ToldColumns& told, bool only_hand_is_left,
                            std::string_view where);
 
+/// Says what each column is, again where another kind of rotation was told.
+void say_meanings(const AnyTable& table, MotionColumns& columns);
+
 /// The columns that are used, as a user would tell them: "head.x", "HMD_x".
 ToldColumns mapping_of(const AnyTable& table, const MotionColumns& columns);
 

@@ -75,6 +75,7 @@ class TableMotion {
     for (PartColumns& part : columns_.parts) {
       if (vectors && part.rotation == RotationKind::angles) part.rotation = RotationKind::vector;
     }
+    if (vectors) say_meanings(table, columns_);
   }
 
   MotionTracks read() {

@@ -30,7 +30,7 @@ bool is_pressed_and_let_go(const AnyTable& table, std::size_t column) {
   for (const AnyTable::Row& row : table.rows) {
     const auto value = trigger_value(table, row.cells[column]);
     if (!value) continue;
-    const bool now = most > 0.0 && *value > 0.5 * most;
+    const bool now = *value > 0.5 * most;
     if (pressed && !now) return true;
     pressed = now;
   }
@@ -67,7 +67,7 @@ std::vector<Stamped<bool>> presses(const AnyTable& table, std::size_t column, co
   }
   const auto is_released = [&](const auto& row) {
     const auto value = trigger_value(table, row.second->cells[column]);
-    return value && !(most > 0.0 && *value > 0.5 * most);
+    return value && *value <= 0.5 * most;
   };
   const bool keeps = std::ranges::any_of(rows, is_released);
   if (silent > 0) {
@@ -79,7 +79,7 @@ std::vector<Stamped<bool>> presses(const AnyTable& table, std::size_t column, co
   for (const auto& row : rows) {
     const bool before = !changes.empty() && changes.back().value;
     const bool says = trigger_value(table, row.second->cells[column]).has_value();
-    const bool pressed = says ? most > 0.0 && !is_released(row) : keeps && before;
+    const bool pressed = says ? !is_released(row) : keeps && before;
     if (pressed != before) changes.push_back({row.first, pressed});
   }
   if (std::ranges::none_of(changes, [](const Stamped<bool>& change) { return !change.value; })) {

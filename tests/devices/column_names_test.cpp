@@ -328,6 +328,14 @@ TEST(ColumnNames, EndWhereTheirTextEnds) {
   EXPECT_THAT(words_of("HMDx"), ElementsAre("hm", "dx"));
 }
 
+// The bytes of one sign were of two words.
+TEST(ColumnNames, KeepSignsOfUtf8Whole) {
+  EXPECT_THAT(words_of("\u0100\u0100_x"), ElementsAre("\u0100\u0100", "x"));
+  EXPECT_THAT(words_of("x \u00b5m"), ElementsAre("x", "\u00b5", "m"));
+  EXPECT_THAT(words_of("\u982d\u90e8.x"), ElementsAre("\u982d\u90e8", "x"));
+  EXPECT_THAT(words_of("x \xb5m"), ElementsAre("x", "\xb5", "m"));  // of Latin 1
+}
+
 TEST(ColumnNames, SayAHandByItsLetterAlone) {
   EXPECT_EQ(part_of_name("smart glasses"), 0u);
   EXPECT_EQ(part_of_name("viewer"), 0u);

@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "devices/recordings/table_motion.h"
 #include "devices/recordings/table_objects.h"
 #include "tests/support/folder.h"
 
@@ -131,6 +132,16 @@ TEST(TableColumns, MeanWhatTheirNamesSay) {
   EXPECT_EQ(pairs(mapping_of(table, columns)), wanted);
 }
 
+TEST(TableColumns, OfARotationVectorAreCalledSo) {
+  const MotionOptions options = {.rotations = "vector"};
+  const TableFindings found = inspect_table(numbers_under(kEveryKind), "t.csv", options);
+  std::vector<std::string> meanings = kEveryMeaning;
+  for (std::size_t i = 0; i < 3; ++i)
+    meanings[23 + i] = fmt::format("right hand, rotation vector {}", "xyz"[i]);
+  for (std::size_t c = 0; c < meanings.size(); ++c)
+    EXPECT_EQ(found.columns.at(c).meaning, meanings[c]);
+}
+
 TEST(TableColumns, WhoseNamesSayNothingMeanWhatIsTold) {
   ToldColumns told;
   for (std::size_t c = 0; c < kEveryKey.size(); ++c)
@@ -188,9 +199,26 @@ TEST(TableColumns, ThatAreToldGoBeforeThoseOfThatName) {
   EXPECT_THAT(begins_under(names, {{"left", "Hand_*"}}), ElementsAre(1u, 10u, Place()));
   EXPECT_THAT(begins_under(names, {{"left", "left*"}, {"right", "Hand_*"}}),
               ElementsAre(1u, 4u, 10u));
-  // Two of the three places are none.
-  EXPECT_THAT(begins_under(names, {{"head.x", "Kopf_x"}, {"head.y", "#9"}}),
-              ElementsAre(1u, 4u, Place()));
+}
+
+// A told trigger and told places were passed over beside a name that was told or found.
+TEST(TableColumns, ThatAreToldGoBeforeThoseOfAnObjectThatIsTold) {
+  const std::string names =
+      "time," + turned("hmd") + ",up," + three("right") + ",right_trigger,button_b,a,b,c,d";
+  const ToldColumns components = {{"head.y", "up"}, {"head.qw", "a"},
+                                  {"head.qx", "b"}, {"head.qy", "c"},
+                                  {"head.qz", "d"}, {"right.trigger", "button_b"}};
+  const ToldColumns objects = {{"head", "hmd*"}, {"right", "right*"}};
+  ToldColumns first = components, last = objects;
+  first.insert(first.end(), objects.begin(), objects.end());
+  last.insert(last.end(), components.begin(), components.end());
+  for (const ToldColumns& told : {first, last, components}) {
+    const MotionColumns columns = columns_under(names, told);
+    EXPECT_THAT(columns.parts[0].position, ElementsAre(1u, 8u, 3u));
+    EXPECT_THAT(columns.parts[0].quaternion, ElementsAre(14u, 15u, 16u, 17u));
+    EXPECT_THAT(columns.parts[2].position, ElementsAre(9u, 10u, 11u));
+    EXPECT_EQ(columns.parts[2].trigger, 13u);
+  }
 }
 
 TEST(TableColumns, OfATriggerThatIsToldAreOfBothHandsUnlessOneHasItsOwn) {
@@ -208,11 +236,13 @@ TEST(TableColumns, OfATriggerThatIsToldAreOfBothHandsUnlessOneHasItsOwn) {
 }
 
 TEST(TableColumns, ThatAreToldAreCalledByTheirLowestNameWhereOneHasIt) {
-  const std::string header = "all,rigid,rigid,rigid,hand,hand,hand\nstamp,x,y,u,x,y,w";
-  const MotionColumns columns = columns_under(
-      header, {{"time", "stamp"}, {"head.x", "rigid x"}, {"head.y", "#3"}, {"head.z", "u"}});
-  EXPECT_EQ(columns.time, 0u);
-  EXPECT_THAT(columns.parts[0].position, ElementsAre(1u, 2u, 3u));
+  const std::string header = "all,rigid,rigid,rigid,hand,hand,hand\nstamp,x,y,u [mm],x,y,w";
+  for (const char* z : {"u", "u [mm]", "rigid u", "#4"}) {
+    const MotionColumns columns = columns_under(
+        header, {{"time", "stamp"}, {"head.x", "rigid x"}, {"head.y", "#3"}, {"head.z", z}});
+    EXPECT_EQ(columns.time, 0u);
+    EXPECT_THAT(columns.parts[0].position, ElementsAre(1u, 2u, 3u)) << z;
+  }
 }
 
 // The first of them was taken.
