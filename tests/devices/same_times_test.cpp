@@ -183,7 +183,7 @@ TEST(SameTimes, OfAThrowingHandWithAGapHaveIt) {
 }
 
 /// A resting track of `count` samples, a sample each `step`.
-PoseTrack resting(std::size_t count, Time step) {
+PoseTrack still_track(std::size_t count, Time step) {
   PoseTrack track;
   for (std::size_t i = 0; i < count; ++i)
     track.push(step * static_cast<int>(i), {Quat::Identity(), Vec3::Zero()});
@@ -191,19 +191,19 @@ PoseTrack resting(std::size_t count, Time step) {
 }
 
 TEST(SameTimes, AreThoseOfAHandOfUpTo250SamplesASecondHoweverLongItIs) {
-  const PoseTrack head = resting(21, Time{100'000});  // 2 s
+  const PoseTrack head = still_track(21, Time{100'000});  // 2 s
   const auto timer = [&](const PoseTrack& hand) { return timing_part({&head, nullptr, &hand}, 2); };
-  EXPECT_EQ(timer(resting(401, Time{5'000})), 2u);
-  EXPECT_EQ(timer(resting(501, Time{4'000})), 2u);
-  EXPECT_EQ(timer(resting(502, Time{3'999})), 0u);
+  EXPECT_EQ(timer(still_track(401, Time{5'000})), 2u);
+  EXPECT_EQ(timer(still_track(501, Time{4'000})), 2u);
+  EXPECT_EQ(timer(still_track(502, Time{3'999})), 0u);
   // One sample has no rate, two have.
-  EXPECT_EQ(timer(resting(1, Time{1'000})), 2u);
-  EXPECT_EQ(timer(resting(2, Time{4'000})), 2u);
-  EXPECT_EQ(timer(resting(2, Time{3'999})), 0u);
+  EXPECT_EQ(timer(still_track(1, Time{1'000})), 2u);
+  EXPECT_EQ(timer(still_track(2, Time{4'000})), 2u);
+  EXPECT_EQ(timer(still_track(2, Time{3'999})), 0u);
 }
 
 TEST(SameTimes, OfATrackWithATwentiethMoreSamplesNeedNoNote) {
-  const PoseTrack hand = resting(21, Time{10'000});
+  const PoseTrack hand = still_track(21, Time{10'000});
   PoseTrack twentieth, more;
   for (const Stamped<Pose>& sample : hand.samples()) {
     if (sample.time != Time{100'000}) twentieth.push(sample.time, sample.value);

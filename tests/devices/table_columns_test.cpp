@@ -49,41 +49,41 @@ MotionColumns columns_under(const std::string& header, const ToldColumns& told =
 }
 
 /// Where x, y and z of head, left and right hand begin; none for one that is not tracked.
-std::array<Place, 3> begins(const MotionColumns& columns) {
+std::array<Place, 3> starts_of(const MotionColumns& columns) {
   return {columns.parts[0].position[0], columns.parts[1].position[0], columns.parts[2].position[0]};
 }
 
 std::array<Place, 3> begins_under(const std::string& header, const ToldColumns& told = {},
                                   bool only_hand_is_left = false) {
-  return begins(columns_under(header, told, only_hand_is_left));
+  return starts_of(columns_under(header, told, only_hand_is_left));
 }
 
 /// "OBJECT_x,OBJECT_y,OBJECT_z", and the same of other letters.
-std::string three(const std::string& object, const std::string& before = "") {
+std::string xyz_of(const std::string& object, const std::string& before = "") {
   return fmt::format("{0}_{1}x,{0}_{1}y,{0}_{1}z", object, before);
 }
 
-std::string turned(const std::string& object) {
-  return fmt::format("{0},{1}_qw,{2}", three(object), object, three(object, "q"));
+std::string posed(const std::string& object) {
+  return fmt::format("{0},{1}_qw,{2}", xyz_of(object), object, xyz_of(object, "q"));
 }
 
-std::string nine(const std::string& object) {
+std::string nine_of(const std::string& object) {
   std::string names;
   for (const char* element : {"00", "01", "02", "10", "11", "12", "20", "21", "22"})
     names += fmt::format("{}{}_m{}", names.empty() ? "" : ",", object, element);
   return names;
 }
 
-std::vector<std::pair<std::string, std::string>> pairs(const ToldColumns& columns) {
+std::vector<std::pair<std::string, std::string>> told_of(const ToldColumns& columns) {
   std::vector<std::pair<std::string, std::string>> all;
   for (const ToldColumn& one : columns) all.emplace_back(one.key, one.column);
   return all;
 }
 
 /// Head with a quaternion, left hand with a matrix, right hand with angles and a trigger.
-const std::string kEveryKind = "time," + turned("head") + "," + three("left") + "," + nine("left") +
-                               "," + three("right") + "," + three("right", "r") +
-                               ",right_trigger,battery";
+const std::string kEveryKind = "time," + posed("head") + "," + xyz_of("left") + "," +
+                               nine_of("left") + "," + xyz_of("right") + "," +
+                               xyz_of("right", "r") + ",right_trigger,battery";
 
 const std::vector<std::string> kEveryMeaning = {"time",
                                                 "head, position x",
@@ -129,7 +129,7 @@ TEST(TableColumns, MeanWhatTheirNamesSay) {
   std::vector<std::pair<std::string, std::string>> wanted;
   for (std::size_t c = 0; c < kEveryKey.size(); ++c)
     wanted.emplace_back(kEveryKey[c], table.columns[c].name);
-  EXPECT_EQ(pairs(mapping_of(table, columns)), wanted);
+  EXPECT_EQ(told_of(mapping_of(table, columns)), wanted);
 }
 
 TEST(TableColumns, OfARotationVectorAreCalledSo) {
@@ -157,11 +157,11 @@ TEST(TableColumns, WhoseNamesSayNothingMeanWhatIsTold) {
   ToldColumns mapped = told;
   mapped[0].column = "a";
   mapped[1].column = "v0";
-  EXPECT_EQ(pairs(mapping_of(table, columns)), pairs(mapped));
+  EXPECT_EQ(told_of(mapping_of(table, columns)), told_of(mapped));
 }
 
 TEST(TableColumns, ThatAreToldCompleteWhatTheNamesSay) {
-  const std::string begin = "time," + three("head") + "," + three("right") + ",";
+  const std::string begin = "time," + xyz_of("head") + "," + xyz_of("right") + ",";
   const PartColumns quaternion =
       columns_under(begin + "a,b,c,d",
                     {{"head.qw", "d"}, {"head.qx", "a"}, {"head.qy", "b"}, {"head.qz", "c"}})
@@ -182,14 +182,14 @@ TEST(TableColumns, ThatAreToldCompleteWhatTheNamesSay) {
   EXPECT_THAT(matrix.position, ElementsAre(1u, 2u, 3u));
   // Angles of the file stay, where nothing of the rotation is told.
   const PartColumns found =
-      columns_under(begin + three("right", "r") + ",a", {{"right.trigger", "a"}}).parts[2];
+      columns_under(begin + xyz_of("right", "r") + ",a", {{"right.trigger", "a"}}).parts[2];
   EXPECT_EQ(found.rotation, RotationKind::angles);
   EXPECT_EQ(found.trigger, 10u);
 }
 
 TEST(TableColumns, ThatAreToldGoBeforeThoseOfThatName) {
   const std::string names =
-      "time," + three("hmd") + "," + three("left") + "," + three("Kopf") + "," + three("Hand");
+      "time," + xyz_of("hmd") + "," + xyz_of("left") + "," + xyz_of("Kopf") + "," + xyz_of("Hand");
   EXPECT_THAT(begins_under(names), ElementsAre(1u, 4u, Place()));
   EXPECT_THAT(begins_under(names, {{"head", "Kopf_*"}}), ElementsAre(7u, 4u, Place()));
   EXPECT_THAT(begins_under(names, {{"head.x", "Kopf_x"}, {"head.y", "#9"}, {"head.z", "#10"}}),
@@ -204,7 +204,7 @@ TEST(TableColumns, ThatAreToldGoBeforeThoseOfThatName) {
 // A told trigger and told places were passed over beside a name that was told or found.
 TEST(TableColumns, ThatAreToldGoBeforeThoseOfAnObjectThatIsTold) {
   const std::string names =
-      "time," + turned("hmd") + ",up," + three("right") + ",right_trigger,button_b,a,b,c,d";
+      "time," + posed("hmd") + ",up," + xyz_of("right") + ",right_trigger,button_b,a,b,c,d";
   const ToldColumns components = {{"head.y", "up"}, {"head.qw", "a"},
                                   {"head.qx", "b"}, {"head.qy", "c"},
                                   {"head.qz", "d"}, {"right.trigger", "button_b"}};
@@ -222,7 +222,8 @@ TEST(TableColumns, ThatAreToldGoBeforeThoseOfAnObjectThatIsTold) {
 }
 
 TEST(TableColumns, OfATriggerThatIsToldAreOfBothHandsUnlessOneHasItsOwn) {
-  const std::string names = "time," + three("head") + "," + three("left") + ",a,b,c,pull,squeezed";
+  const std::string names =
+      "time," + xyz_of("head") + "," + xyz_of("left") + ",a,b,c,pull,squeezed";
   ToldColumns told = {
       {"trigger", "pull"}, {"right.x", "a"}, {"right.y", "b"}, {"right.z", "c"}, {"left", "left*"}};
   const MotionColumns both = columns_under(names, told);
@@ -256,7 +257,7 @@ TEST(TableColumns, ThatAreToldByANameThatTwoHaveAreRefused) {
 }
 
 TEST(TableColumns, ThatAreToldWronglyAreRefusedWithWhatIsExpected) {
-  const std::string names = "time," + three("HMD") + ",a,ball_x," + three("hand");
+  const std::string names = "time," + xyz_of("HMD") + ",a,ball_x," + xyz_of("hand");
   const auto refused = [&](const std::string& key, const std::string& column) {
     return complaint([&] { columns_under(names, {{key, column, "--columns"}}); });
   };
@@ -303,52 +304,52 @@ TEST(TableColumns, HaveKeysOfPartsAndOfThreeOthers) {
 
 TEST(TableColumns, OfSeveralHeadsAreThoseOfTheOneThatTurnsThenOfTheOneThatIsCalledSo) {
   const auto head = [](const std::string& names) {
-    return begins_under("time," + names + "," + three("right"))[0];
+    return begins_under("time," + names + "," + xyz_of("right"))[0];
   };
-  EXPECT_EQ(head(three("hmd") + "," + turned("main_camera")), 4u);
-  EXPECT_EQ(head(turned("main_camera") + "," + three("hmd")), 1u);
-  EXPECT_EQ(head(three("helmet") + "," + three("the_hmd")), 4u);
-  EXPECT_EQ(head(three("head_forward") + "," + three("head")), 4u);
-  EXPECT_EQ(complaint([&] { head(three("camera") + "," + three("helmet")); }),
+  EXPECT_EQ(head(xyz_of("hmd") + "," + posed("main_camera")), 4u);
+  EXPECT_EQ(head(posed("main_camera") + "," + xyz_of("hmd")), 1u);
+  EXPECT_EQ(head(xyz_of("helmet") + "," + xyz_of("the_hmd")), 4u);
+  EXPECT_EQ(head(xyz_of("head_forward") + "," + xyz_of("head")), 4u);
+  EXPECT_EQ(complaint([&] { head(xyz_of("camera") + "," + xyz_of("helmet")); }),
             "t.csv: columns: expected one head, found 2 ('camera', 'helmet'); say which, such as "
             "head = 'NAME*'");
 }
 
 TEST(TableColumns, OfAHandWithoutASideAreThoseOfTheOnlyOneThatMayBeIt) {
-  const std::string head = "time," + three("head") + ",";
-  EXPECT_THAT(begins_under(head + three("thing")), ElementsAre(1u, Place(), 4u));
-  EXPECT_THAT(begins_under(head + three("thing"), {}, true), ElementsAre(1u, 4u, Place()));
-  EXPECT_THAT(begins_under(head + three("ball") + "," + three("controller")),
+  const std::string head = "time," + xyz_of("head") + ",";
+  EXPECT_THAT(begins_under(head + xyz_of("thing")), ElementsAre(1u, Place(), 4u));
+  EXPECT_THAT(begins_under(head + xyz_of("thing"), {}, true), ElementsAre(1u, 4u, Place()));
+  EXPECT_THAT(begins_under(head + xyz_of("ball") + "," + xyz_of("controller")),
               ElementsAre(1u, Place(), 7u));
-  EXPECT_THAT(begins_under(head + three("ball") + "," + three("puck")),
+  EXPECT_THAT(begins_under(head + xyz_of("ball") + "," + xyz_of("puck")),
               ElementsAre(1u, Place(), Place()));
-  EXPECT_THAT(begins_under(head + three("marker_one") + "," + three("ball")),
+  EXPECT_THAT(begins_under(head + xyz_of("marker_one") + "," + xyz_of("ball")),
               ElementsAre(1u, Place(), 7u));
-  EXPECT_THAT(begins_under(head + three("marker_one")), ElementsAre(1u, Place(), Place()));
+  EXPECT_THAT(begins_under(head + xyz_of("marker_one")), ElementsAre(1u, Place(), Place()));
   // One without a place is none, though it turns.
-  EXPECT_THAT(begins_under(head + three("thing") + ",gaze_qw," + three("gaze", "q")),
+  EXPECT_THAT(begins_under(head + xyz_of("thing") + ",gaze_qw," + xyz_of("gaze", "q")),
               ElementsAre(1u, Place(), 4u));
   // A head may be given by the user; of two objects, either may be one.
-  EXPECT_THAT(begins_under("time," + three("thing")), ElementsAre(Place(), Place(), 1u));
-  EXPECT_THAT(begins_under("time," + three("controller") + "," + three("ball")),
+  EXPECT_THAT(begins_under("time," + xyz_of("thing")), ElementsAre(Place(), Place(), 1u));
+  EXPECT_THAT(begins_under("time," + xyz_of("controller") + "," + xyz_of("ball")),
               ElementsAre(Place(), Place(), Place()));
 }
 
 TEST(TableColumns, OfAHandThatIsLeftOrRightAreOfNoOther) {
-  const std::string head = "time," + three("head") + ",";
+  const std::string head = "time," + xyz_of("head") + ",";
   for (const bool only_hand_is_left : {false, true}) {
-    EXPECT_THAT(begins_under(head + three("left"), {}, only_hand_is_left),
+    EXPECT_THAT(begins_under(head + xyz_of("left"), {}, only_hand_is_left),
                 ElementsAre(1u, 4u, Place()));
-    EXPECT_THAT(begins_under(head + three("right"), {}, only_hand_is_left),
+    EXPECT_THAT(begins_under(head + xyz_of("right"), {}, only_hand_is_left),
                 ElementsAre(1u, Place(), 4u));
-    EXPECT_THAT(begins_under(head + three("left") + "," + three("ball"), {}, only_hand_is_left),
+    EXPECT_THAT(begins_under(head + xyz_of("left") + "," + xyz_of("ball"), {}, only_hand_is_left),
                 ElementsAre(1u, 4u, Place()));
   }
 }
 
 TEST(TableColumns, OfATriggerWithoutAHandAreOfTheHandsUnlessTheySayTheOtherOne) {
   const auto of = [](const std::string& triggers) {
-    return columns_under("time," + three("head") + "," + three("controller") + "," + triggers);
+    return columns_under("time," + xyz_of("head") + "," + xyz_of("controller") + "," + triggers);
   };
   const MotionColumns loose = of("button,left_trigger");
   EXPECT_EQ(loose.parts[2].trigger, 7u);
@@ -361,7 +362,7 @@ TEST(TableColumns, OfATriggerWithoutAHandAreOfTheHandsUnlessTheySayTheOtherOne) 
 
 TEST(TableColumns, OfAButtonOfTheHeadAreNotUsed) {
   const std::string text =
-      numbers_under("time," + three("head") + "," + three("controller") + ",head_button,pinch");
+      numbers_under("time," + xyz_of("head") + "," + xyz_of("controller") + ",head_button,pinch");
   const AnyTable table = read_any_table(text, "t.csv");
   const MotionColumns columns = find_columns(table, {}, false, "t.csv");
   EXPECT_EQ(columns.parts[0].trigger, 7u);
@@ -369,24 +370,24 @@ TEST(TableColumns, OfAButtonOfTheHeadAreNotUsed) {
               ElementsAre("time", "head, position x", "head, position y", "head, position z",
                           "right hand, position x", "right hand, position y",
                           "right hand, position z", "", "right hand, trigger"));
-  EXPECT_THAT(pairs(mapping_of(table, columns)),
+  EXPECT_THAT(told_of(mapping_of(table, columns)),
               testing::Not(testing::Contains(Pair("head.trigger", "head_button"))));
 }
 
 TEST(TableColumns, ThatAreMissingAreNamedWithThoseThatWereNotUnderstood) {
   const std::string other =
       "not understood: a, b (say what they are, such as time=t, head=HMD_*, right.qw=q0)";
-  EXPECT_THAT(columns_under("a," + turned("head") + "," + turned("left") + ",b").missing,
+  EXPECT_THAT(columns_under("a," + posed("head") + "," + posed("left") + ",b").missing,
               ElementsAre("no column of the time was found", other));
-  EXPECT_THAT(columns_under("time," + turned("head") + "," + turned("right") + ",b").missing,
+  EXPECT_THAT(columns_under("time," + posed("head") + "," + posed("right") + ",b").missing,
               IsEmpty());
-  EXPECT_THAT(columns_under("time,a,b," + turned("head")).missing,
+  EXPECT_THAT(columns_under("time,a,b," + posed("head")).missing,
               ElementsAre("no hand was found (x, y and z of one object)", other));
-  EXPECT_THAT(columns_under("time,a,b," + turned("left")).missing,
+  EXPECT_THAT(columns_under("time,a,b," + posed("left")).missing,
               ElementsAre("no head was found (x, y and z of one object)", other));
-  EXPECT_THAT(columns_under("time," + three("head") + "," + turned("left")).missing,
+  EXPECT_THAT(columns_under("time," + xyz_of("head") + "," + posed("left")).missing,
               ElementsAre("the head has no rotation"));
-  EXPECT_THAT(columns_under("time," + turned("head") + "," + three("right")).missing,
+  EXPECT_THAT(columns_under("time," + posed("head") + "," + xyz_of("right")).missing,
               ElementsAre("the right hand has no rotation"));
 }
 
@@ -409,12 +410,12 @@ TEST(TableColumns, WithARowForEachObjectHaveOneOfTheirNames) {
   const MotionColumns columns = find_columns(table, {}, false, "t.csv");
   EXPECT_EQ(columns.object, 2u);
   EXPECT_THAT(columns.objects, ElementsAre("HMD", "", "tracker"));
-  EXPECT_THAT(begins(columns), ElementsAre(3u, Place(), 3u));
+  EXPECT_THAT(starts_of(columns), ElementsAre(3u, Place(), 3u));
   EXPECT_EQ(columns.parts[0].rotation, RotationKind::quaternion);
   EXPECT_EQ(columns.meanings[1], "");
   EXPECT_EQ(columns.meanings[2], "the object of the row");
   EXPECT_EQ(columns.meanings[3], "head, position x; right hand, position x");
-  EXPECT_THAT(pairs(mapping_of(table, columns)),
+  EXPECT_THAT(told_of(mapping_of(table, columns)),
               ElementsAre(Pair("time", "time"), Pair("object", "who")));
   EXPECT_THAT(find_columns(table, {}, true, "t.csv").objects, ElementsAre("HMD", "tracker", ""));
 }
@@ -436,7 +437,6 @@ TEST(TableColumns, OfTheNamesOfObjectsMayBeTold) {
 TEST(TableColumns, WithMoreThanTwentyWordsAreNoNamesOfObjects) {
   std::vector<std::pair<std::string, std::string>> objects = {{"a", "head"}, {"a", "right"}};
   for (char c = 'c'; c < 'c' + 18; ++c) objects.emplace_back("a", std::string("thing ") + c);
-  ASSERT_EQ(objects.size(), 20u);
   EXPECT_EQ(columns_of_text(rows_of_objects("remark,who", objects)).object, 2u);
   objects.emplace_back("a", "one more");
   EXPECT_EQ(columns_of_text(rows_of_objects("remark,who", objects)).object, std::nullopt);
@@ -463,7 +463,7 @@ TEST(TableObjects, HaveAMatrixThatCountsFromZeroOrOneAndMayEndWithThePlace) {
     for (std::size_t i = 0; i < 9; ++i) all.emplace_back(first + i);
     return all;
   };
-  const PartColumns from_zero = head("t," + nine("head") + "," + three("head"));
+  const PartColumns from_zero = head("t," + nine_of("head") + "," + xyz_of("head"));
   EXPECT_THAT(from_zero.matrix, testing::ElementsAreArray(nine_from(1)));
   EXPECT_THAT(from_zero.position, ElementsAre(10u, 11u, 12u));
   EXPECT_EQ(from_zero.rotation, RotationKind::matrix);
@@ -473,7 +473,7 @@ TEST(TableObjects, HaveAMatrixThatCountsFromZeroOrOneAndMayEndWithThePlace) {
   EXPECT_EQ(from_one.rotation, RotationKind::matrix);
   // Four by four: the last row is no part of the pose.
   const std::string four =
-      nine("head") + ",head_m03,head_m13,head_m23,head_m30,head_m31,head_m32,head_m33";
+      nine_of("head") + ",head_m03,head_m13,head_m23,head_m30,head_m31,head_m32,head_m33";
   const PartColumns pose = head("t," + four);
   EXPECT_THAT(pose.matrix, testing::ElementsAreArray(nine_from(1)));
   EXPECT_THAT(pose.position, ElementsAre(10u, 11u, 12u));
@@ -481,7 +481,7 @@ TEST(TableObjects, HaveAMatrixThatCountsFromZeroOrOneAndMayEndWithThePlace) {
   EXPECT_EQ(pose.trigger, std::nullopt);
   EXPECT_EQ(pose.rotation, RotationKind::matrix);
   // A place that has its own columns is there.
-  EXPECT_THAT(head("t," + four + "," + three("head")).position, ElementsAre(17u, 18u, 19u));
+  EXPECT_THAT(head("t," + four + "," + xyz_of("head")).position, ElementsAre(17u, 18u, 19u));
 }
 
 TEST(TableObjects, KeepTheirTriggerBesideColumnsThatRiseAndFall) {
