@@ -17,13 +17,13 @@ namespace {
 
 using namespace std::string_view_literals;
 
-Bytes line_bytes(std::string_view text) {
+Bytes bytes_to_decode(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
 std::optional<FastrakRecord> read_line(const std::string& text, std::vector<int> items,
                                        bool binary = false) {
-  return decode_record(line_bytes(text), {.items = std::move(items), .binary = binary});
+  return decode_record(bytes_to_decode(text), {.items = std::move(items), .binary = binary});
 }
 
 std::string line_of(const FastrakRecord& record, const FastrakFormat& format) {
@@ -86,9 +86,9 @@ TEST(FastrakDecodingTest, APositionIsPossibleUpToTenThousandUnits) {
     for (const float sign : {1.0F, -1.0F}) {
       FastrakRecord record;
       record.position(axis) = sign * kFarthest;
-      EXPECT_TRUE(decode_record(line_bytes(line_of(record, format)), format));
+      EXPECT_TRUE(decode_record(bytes_to_decode(line_of(record, format)), format));
       record.position(axis) = sign * std::nextafter(kFarthest, 2e4F);
-      EXPECT_FALSE(decode_record(line_bytes(line_of(record, format)), format));
+      EXPECT_FALSE(decode_record(bytes_to_decode(line_of(record, format)), format));
     }
   }
 }
@@ -118,11 +118,11 @@ TEST(FastrakDecodingTest, BitSevenMarksTheFirstByteOfCompactDataAndNoOther) {
   const FastrakFormat format{.items = {18, 20}, .binary = true};
   const std::string good = line_of(FastrakRecord{}, format);
   ASSERT_EQ(good.size(), 3u + 6u + 8u);
-  EXPECT_TRUE(decode_record(line_bytes(good), format));
+  EXPECT_TRUE(decode_record(bytes_to_decode(good), format));
   for (std::size_t i = 3; i < good.size(); ++i) {
     std::string bad = good;
     bad[i] = static_cast<char>(bad[i] ^ 0x80);
-    EXPECT_FALSE(decode_record(line_bytes(bad), format)) << i;
+    EXPECT_FALSE(decode_record(bytes_to_decode(bad), format)) << i;
   }
 }
 
@@ -157,7 +157,7 @@ constexpr std::string_view kFalseBegin = "01 \0\0\0\0\0\0\0\0\0\0"sv;
 using FoundAt = std::pair<std::size_t, std::size_t>;  // skipped, length
 
 FoundAt found_in(std::string_view text, bool in_step, bool no_more = false) {
-  const FastrakFound found = find_record(line_bytes(text), all_of(kSixteen), in_step, no_more);
+  const FastrakFound found = find_record(bytes_to_decode(text), all_of(kSixteen), in_step, no_more);
   return {found.skipped, found.length};
 }
 
@@ -198,8 +198,8 @@ TEST(FindRecordTest, OutOfStepARecordInsideThatAnotherOneFollowsIsMorePlausible)
 
 TEST(FindRecordTest, ARecordWithoutItemsIsItsHead) {
   const FastrakFormat empty{.items = {}};
-  EXPECT_EQ(decode_record(line_bytes("03k"), empty).value().station, 3);
-  const FastrakFound found = find_record(line_bytes("03k"), all_of(empty), true, false);
+  EXPECT_EQ(decode_record(bytes_to_decode("03k"), empty).value().station, 3);
+  const FastrakFound found = find_record(bytes_to_decode("03k"), all_of(empty), true, false);
   EXPECT_EQ(found.length, 3u);
   EXPECT_EQ(found.record.error, 'k');
 }
