@@ -40,7 +40,8 @@ class BroadPhase {
                                       double margin = 0.0, std::span<const Box> limits_W = {},
                                       Crew* crew = nullptr);
 
-  /// Bodies of the last call whose boxes at that time overlap the box around a capsule.
+  /// Bodies of the last call whose boxes at that time overlap the box around a capsule; none if that
+  /// call had fewer than two bodies, or none that moves.
   ///
   /// @param out  gets their numbers in ascending order, each once
   void find_near(const Capsule& bounds_W, std::vector<std::uint32_t>& out) const;

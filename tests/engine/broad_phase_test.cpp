@@ -114,5 +114,137 @@ TEST(TenStandingSkittles, MakeNoPair) {
   EXPECT_EQ(broad_phase.find_pairs(bounds), (std::vector<Pair>{{0, 10}}));
 }
 
+// All lengths times a power of two: each product and quotient is that of the other scale, exactly.
+TEST(CapsuleDistance, IsInProportionToTheCapsules) {
+  Random random(11);
+  for (int i = 0; i < 200; ++i) {
+    const Capsule a{point(random, 1.0), point(random, 1.0), 0.1},
+        b{point(random, 1.0), point(random, 1.0), 0.2};
+    for (const double scale : {0x1p-10, 0x1p10}) {
+      const auto scaled = [&](const Capsule& c) {
+        return Capsule{scale * c.a, scale * c.b, scale * c.radius};
+      };
+      EXPECT_EQ(distance(scaled(a), scaled(b)), scale * distance(a, b));
+    }
+  }
+}
+
+/// Balls in a room of 0.8 m, and from its corner to the opposite one a bar wherever `bars` says.
+std::vector<Capsule> balls_and_bars(Random& random, std::size_t n,
+                                    const std::vector<std::size_t>& bars) {
+  std::vector<Capsule> capsules;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3 p = point(random, 0.4);
+    capsules.push_back({p, p, random.uniform(0.02, 0.05)});
+  }
+  for (const std::size_t i : bars) {
+    const Vec3 corner(2.0, random.uniform(-2.0, 2.0), random.uniform(1.5, 2.0));
+    capsules[i] = {-corner, corner, 0.05};
+  }
+  return capsules;
+}
+
+std::vector<Pair> compared_each_with_each(std::span<const Capsule> capsules,
+                                          std::span<const std::uint8_t> moving, double margin) {
+  std::vector<Pair> pairs;
+  for (std::uint32_t i = 0; i < capsules.size(); ++i) {
+    for (std::uint32_t j = i + 1; j < capsules.size(); ++j) {
+      const bool any_moves = moving.empty() || moving[i] != 0 || moving[j] != 0;
+      if (any_moves && distance(capsules[i], capsules[j]) <= margin) pairs.push_back({i, j});
+    }
+  }
+  return pairs;
+}
+
+/// Looks for what is near many capsules in a room, and compares with their boxes, one by one.
+void expect_finds_near(const BroadPhase& broad_phase, std::span<const Capsule> capsules,
+                       double margin, Random& random) {
+  std::vector<std::uint32_t> near;
+  for (int k = 0; k < 100; ++k) {
+    const Vec3 p = point(random, 0.6);
+    const Capsule place{p, p + point(random, 0.1), random.uniform(0.01, 0.1)};
+    std::vector<std::uint32_t> expected;
+    for (std::uint32_t i = 0; i < capsules.size(); ++i) {
+      const Box box = box_around(capsules[i], 0.5 * margin);
+      if (box.meets(box_around(place, 0.0))) expected.push_back(i);
+    }
+    broad_phase.find_near(place, near);
+    ASSERT_EQ(near, expected);
+  }
+}
+
+TEST(BroadPhase, FindsWhatMeetsBarsThatAreFarLargerThanTheOtherBodies) {
+  Random random(12);
+  BroadPhase broad_phase;
+  const std::vector<Capsule> capsules = balls_and_bars(random, 600, {7, 100, 101, 598, 599});
+  std::vector<std::uint8_t> moving(capsules.size());
+  for (std::uint8_t& m : moving) m = static_cast<std::uint8_t>(index_below(random, 2));
+  for (const std::size_t bar : {7, 100, 598}) moving[bar] = bar == 100;
+  for (const double margin : {0.0, 0.01}) {
+    for (const std::vector<std::uint8_t>& who : {std::vector<std::uint8_t>{}, moving}) {
+      EXPECT_EQ(broad_phase.find_pairs(capsules, who, margin),
+                compared_each_with_each(capsules, who, margin));
+      expect_finds_near(broad_phase, capsules, margin, random);
+    }
+  }
+}
+
+// Bodies go, and with them two of three bars that cross.
+TEST(BroadPhase, ForgetsTheBodiesOfTheCallBefore) {
+  Random random(13);
+  BroadPhase broad_phase;
+  const std::vector<Capsule> all = balls_and_bars(random, 600, {0, 200, 201, 590});
+  const std::vector<std::uint8_t> at_rest(all.size(), 0);
+  for (const std::size_t n : {600u, 200u, 600u, 25u, 600u, 24u, 600u, 10u, 2u}) {
+    const std::span<const Capsule> some(all.data(), n);
+    EXPECT_EQ(broad_phase.find_pairs(some), compared_each_with_each(some, {}, 0.0)) << n;
+    expect_finds_near(broad_phase, some, 0.0, random);
+  }
+  const Capsule room{Vec3::Zero(), Vec3::Zero(), 10.0};
+  std::vector<std::uint32_t> near;
+  for (const std::size_t n : {0u, 1u}) {  // too few for a pair: none is near
+    broad_phase.find_pairs(all);
+    broad_phase.find_near(room, near);
+    EXPECT_EQ(near.size(), all.size());
+    EXPECT_TRUE(broad_phase.find_pairs(std::span(all.data(), n)).empty());
+    broad_phase.find_near(room, near);
+    EXPECT_TRUE(near.empty());
+  }
+  EXPECT_TRUE(broad_phase.find_pairs(all, at_rest).empty());
+  broad_phase.find_near(room, near);
+  EXPECT_TRUE(near.empty());
+}
+
+// A bar through the diagonal of a lattice of tiny balls. If it were sorted into cells of the size that suits the
+// others, it would be in 1e9 of them.
+TEST(BroadPhase, NeedsNoMoreMemoryForABarAmongManyTinyBodies) {
+  constexpr std::uint32_t kSide = 16, kBalls = kSide * kSide * kSide;
+  std::vector<Capsule> capsules;
+  for (std::uint32_t i = 0; i < kBalls; ++i) {
+    const Vec3 p(0.5 * (i % kSide), 0.5 * (i / kSide % kSide), 0.5 * (i / (kSide * kSide)));
+    capsules.push_back({p, p, 1e-5});
+  }
+  capsules.push_back({capsules.front().a, capsules.back().a, 0.1});
+  std::vector<Pair> expected;
+  for (std::uint32_t k = 0; k < kSide; ++k) {
+    expected.push_back({k * (1 + kSide + kSide * kSide), kBalls});
+  }
+  BroadPhase broad_phase;
+  EXPECT_EQ(broad_phase.find_pairs(capsules), expected);
+}
+
+TEST(BroadPhase, FindsTheSamePairsWhenThreadsShareTheWork) {
+  Random random(14);
+  const std::vector<Capsule> capsules = balls_and_bars(random, 2500, {40, 41});
+  BroadPhase alone, shared;
+  const std::vector<Pair> expected = alone.find_pairs(capsules);
+  EXPECT_GT(expected.size(), 2500u);
+  for (const int threads : {2, 3}) {
+    Crew crew;
+    crew.use(threads);
+    EXPECT_EQ(shared.find_pairs(capsules, {}, 0.0, {}, &crew), expected);
+  }
+}
+
 }  // namespace
 }  // namespace headpin::engine
