@@ -122,7 +122,6 @@ Capsule capsule_along(const std::vector<Part>& parts, const Vec3& axis) {
     low = first ? lower : std::min(low, lower);
     first = false;
   }
-  if (low > high) low = high = 0.5 * (low + high);
   return {low * axis, high * axis, radius};
 }
 

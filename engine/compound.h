@@ -57,8 +57,8 @@ struct Compound {
   Box box;                                ///< around all of these
 };
 
-/// @throws std::invalid_argument  without parts, or if a size of a part is not finite and
-/// positive
+/// @throws std::invalid_argument  without parts, if a size of a part is not finite and positive, or if
+/// a pose is not finite or its quaternion not unit
 Compound make_compound(std::vector<Part> parts);
 
 struct MassProperties {

@@ -1,5 +1,6 @@
 #include "engine/compound.h"
 
+#include <limits>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -322,6 +323,150 @@ TEST(MassProperties, ByEvenRodsAreThoseOfOlderTrials) {
   EXPECT_DOUBLE_EQ(thick.mass, 0.009875000000002306);
   EXPECT_DOUBLE_EQ(thick.inertia(2, 2), 0.0033353782964124874);
   EXPECT_DOUBLE_EQ(thick.centre.x(), -0.0008227848101215922);
+}
+
+// Upright on the axis z, up to 1e-12 of their size.
+TEST(IsRevolution, HoldsForRoundPartsUprightOnTheAxis) {
+  const auto is = [](const Shape& shape, const Pose& X_BG = {}) {
+    return is_revolution(make_compound({{shape, X_BG}}));
+  };
+  const auto turned = [](double angle, const Vec3& axis) {
+    return Pose{Quat(Eigen::AngleAxisd(angle, axis)), {0, 0, 0.5}};
+  };
+  for (const double r : {0x1p-10, 1.0, 0x1p10}) {
+    for (const Shape& shape :
+         {Shape(Cylinder{r, r}), Shape(Cone{r, 2.0 * r}), Shape(Ellipsoid{{r, r, 2.0 * r}})}) {
+      const double size = bounding_radius(shape);
+      EXPECT_TRUE(is(shape, {Quat::Identity(), {0, 0.9e-12 * size, 3.0}})) << r;
+      EXPECT_FALSE(is(shape, {Quat::Identity(), {1.1e-12 * size, 0, 3.0}})) << r;
+      EXPECT_FALSE(is(shape, {Quat::Identity(), {0.1 * r, 0, 0}})) << r;
+      EXPECT_TRUE(is(shape, turned(std::numbers::pi, Vec3::UnitX())));
+      EXPECT_TRUE(is(shape, turned(1.0, Vec3::UnitZ())));
+      EXPECT_FALSE(is(shape, turned(0.01, Vec3::UnitX())));
+    }
+  }
+  const Pose z_along_x = turned(0.5 * std::numbers::pi, Vec3::UnitY());
+  const Pose z_along_y = turned(0.5 * std::numbers::pi, Vec3::UnitX());
+  EXPECT_TRUE(is(Ellipsoid{{2, 2, 2}}, turned(1.0, Vec3(1, 2, 3).normalized())));
+  for (const Pose& X : {Pose{}, z_along_x, z_along_y}) EXPECT_FALSE(is(Ellipsoid{{1, 2, 3}}, X));
+  EXPECT_FALSE(is(Ellipsoid{{3, 1, 1}}));
+  EXPECT_TRUE(is(Ellipsoid{{3, 1, 1}}, z_along_x));
+  EXPECT_FALSE(is(Ellipsoid{{1, 3, 1}}));
+  EXPECT_TRUE(is(Ellipsoid{{1, 3, 1}}, z_along_y));
+  EXPECT_FALSE(is(test::box({1, 1, 2})));
+  EXPECT_FALSE(is(HalfSpace{}));
+}
+
+void expect_bounds(const std::vector<Part>& parts, const Vec3& a, const Vec3& b, double radius) {
+  const Capsule bounds = make_compound(parts).bounds;
+  EXPECT_NEAR(bounds.radius, radius, 1e-12);
+  EXPECT_LT((bounds.a - a).norm(), 1e-12) << bounds.a.transpose();
+  EXPECT_LT((bounds.b - b).norm(), 1e-12) << bounds.b.transpose();
+}
+
+// A ball at each end that goes through the rim there, or touches the pole or the apex.
+TEST(Bounds, OfALongBodyTouchBothOfItsEnds) {
+  const auto upright = [](double z) { return Pose{Quat::Identity(), {0, 0, z}}; };
+  const Quat upside_down(0.0, 1.0, 0.0, 0.0);
+  const Quat z_along_x(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitY()));
+  for (const double r : {0.1, 10.0}) {
+    expect_bounds({{Cylinder{r, 5.0 * r}, {}}}, {0, 0, -5.0 * r}, {0, 0, 5.0 * r}, r);
+  }
+  expect_bounds({{Cylinder{0.1, 1.0}, upright(10)}}, {0, 0, 9}, {0, 0, 11}, 0.1);
+  expect_bounds({{Cylinder{0.1, 1.0}, upright(-10)}}, {0, 0, -11}, {0, 0, -9}, 0.1);
+  expect_bounds({{Cylinder{0.1, 1.0}, {z_along_x, {10, 0, 0}}}}, {9, 0, 0}, {11, 0, 0}, 0.1);
+  expect_bounds({{Cone{0.1, 2.0}, upright(5)}}, {0, 0, 4}, {0, 0, 5.9}, 0.1);
+  expect_bounds({{Cone{0.1, 2.0}, {upside_down, {0, 0, 5}}}}, {0, 0, 4.1}, {0, 0, 6}, 0.1);
+  expect_bounds({{Ellipsoid{{0.1, 0.1, 1.0}}, upright(5)}}, {0, 0, 4.1}, {0, 0, 5.9}, 0.1);
+  expect_bounds({{Ellipsoid{{0.3, 0.3, 0.1}}, upright(5)}}, {0, 0, 5}, {0, 0, 5}, 0.3);
+  // A thinner length on top or below: a rim of 0.3 m in a ball of 0.5 m is 0.4 m from its middle.
+  const Part thick{Cylinder{0.5, 1.0}, {}};
+  expect_bounds({thick, {Cylinder{0.3, 1.0}, upright(2)}}, {0, 0, -1}, {0, 0, 2.6}, 0.5);
+  expect_bounds({thick, {Cylinder{0.3, 1.0}, upright(-2)}}, {0, 0, -2.6}, {0, 0, 1}, 0.5);
+}
+
+// A capsule of length 2 q r holds pi r^3 (2 q + 4/3), the sphere around the same cylinder 4/3 pi r^3 (1 + q^2)^1.5: it
+// is smaller while q < 0.84.
+TEST(Bounds, OfACylinderAreTheSphereOrTheCapsuleOfLessVolume) {
+  for (const double r : {0.05, 0.5, 10.0}) {
+    for (const double q : {0.01, 0.1, 0.3, 0.8}) {
+      expect_bounds({{Cylinder{r, q * r}, {}}}, Vec3::Zero(), Vec3::Zero(),
+                    r * std::sqrt(1.0 + q * q));
+    }
+    for (const double q : {0.9, 1.0, 3.0, 30.0}) {
+      expect_bounds({{Cylinder{r, q * r}, {}}}, {0, 0, -q * r}, {0, 0, q * r}, r);
+    }
+  }
+}
+
+// A ball beside the origin: along x and along y the capsules have one volume.
+TEST(Bounds, AreAlongTheFirstOfTwoAxesThatAreAsGood) {
+  const double r = 0.125, radius = 1.0 + r;
+  expect_bounds({{Ellipsoid{{r, r, r}}, {Quat::Identity(), {1, 1, 0}}}}, {1.0 - r, 0, 0},
+                {radius, 0, 0}, radius);
+}
+
+TEST(MakeCompound, RefusesAPoseThatCannotBe) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto make = [](const Pose& X_BG) { return make_compound({{Cylinder{0.1, 0.2}, X_BG}}); };
+  EXPECT_NO_THROW(make({Quat(0.6, 0.8, 0.0, 0.0), {1, 2, 3}}));
+  EXPECT_THROW(make({Quat::Identity(), {0, nan, 0}}), std::invalid_argument);
+  EXPECT_THROW(make({Quat(1.0, 1e-4, 0.0, 0.0), Vec3::Zero()}), std::invalid_argument);
+  EXPECT_THROW(make({Quat(nan, 0.0, 0.0, 0.0), Vec3::Zero()}), std::invalid_argument);
+}
+
+// The same part twice is one. Discs are exact for a cylinder; the documented error is 1e-6.
+TEST(MassProperties, OfPartsCutIntoDiscsAreThoseOfTheWholeAtEverySize) {
+  const Quat upside_down(0.0, 1.0, 0.0, 0.0);
+  for (const double s : {0.01, 1.0, 20.0}) {
+    for (const Shape& shape : {Shape(Cylinder{0.2 * s, 0.7 * s}), Shape(Cone{0.2 * s, 0.5 * s}),
+                               Shape(Ellipsoid{{0.2 * s, 0.2 * s, 0.7 * s}})}) {
+      for (const Quat& q : {Quat::Identity(), upside_down}) {
+        const Part part{shape, {q, {0, 0, 0.3 * s}}};
+        const MassProperties one = mass_properties(make_compound({part}), 700.0);
+        const MassProperties two = mass_properties(make_compound({part, part}), 700.0);
+        const double error = std::holds_alternative<Cylinder>(shape) ? 1e-11 : 1e-6;
+        EXPECT_NEAR(two.mass, one.mass, error * one.mass) << kind(shape) << s;
+        EXPECT_LT((two.centre - one.centre).norm(), error * s) << kind(shape) << s;
+        EXPECT_LT((two.inertia - one.inertia).norm(), error * one.inertia.norm())
+            << kind(shape) << s;
+      }
+    }
+  }
+}
+
+/// Cosine of half the angle by which a rotation turns.
+double half_turn(const Mat3& R) {
+  return std::abs(Quat(R).w());
+}
+
+// The axes of a box, named and signed in 24 ways that are rotations.
+TEST(AboutCentre, TurnsABoxByTheLeastAngleThatMakesItsAxesPrincipal) {
+  Random random(15);
+  std::vector<Mat3> ways;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      for (const double si : {-1.0, 1.0}) {
+        for (const double sj : {-1.0, 1.0}) {
+          if (i == j) continue;
+          const Vec3 x = si * Vec3::Unit(i), y = sj * Vec3::Unit(j);
+          ways.push_back((Mat3() << x, y, x.cross(y)).finished());
+        }
+      }
+    }
+  }
+  ASSERT_EQ(ways.size(), 24u);
+  for (int k = 0; k < 50; ++k) {
+    const Quat q = any_rotation(random);
+    const Compound c = make_compound({{test::box({0.003, 0.005, 0.009}), {q, Vec3::Zero()}}});
+    const Centred centred = about_centre(c, mass_properties(c, 500.0));
+    const Mat3 R = centred.X_BC.q.toRotationMatrix();
+    double best = 0.0;
+    for (const Mat3& way : ways) best = std::max(best, half_turn(q.toRotationMatrix() * way));
+    EXPECT_NEAR(half_turn(R), best, 1e-9);
+    const Mat3 inertia = mass_properties(centred.compound, 500.0).inertia;
+    EXPECT_LT((inertia - Mat3(centred.inertia.asDiagonal())).norm(), 1e-9 * inertia.norm());
+  }
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "engine/at_end.h"
 #include "tests/support/bowling.h"
+#include "tests/support/random_shapes.h"
 
 // Each stage of a step alone: two bodies, one call, a look at what it gives.
 namespace headpin::engine {
@@ -208,6 +209,60 @@ TEST(Remember, LeavesTheNextStepWhatATouchCarried) {
   ASSERT_EQ(again.all.size(), 1u);
   EXPECT_FALSE(again.all[0].fresh);
   EXPECT_TRUE(again.all[0].met);
+}
+
+// A ball in the corner of a room, whose lane and wall are two parts of one fixed body.
+TEST(PointsAtEnd, AreThoseOfThePartThatATouchIsOf) {
+  World world = make_world({.rate_hz = kRate});
+  Body corner = floor_body({0.0, 0.0});
+  corner.shape =
+      make_compound({{test::box({1.0, 1.0, 0.1}), {Quat::Identity(), Vec3(0.0, 0.0, -0.1)}},
+                     {test::box({0.1, 1.0, 1.0}), {Quat::Identity(), Vec3(-0.1, 0.0, 1.0)}}});
+  add_body(world, corner);
+  const double in = 1e-3, near = kBallRadius - in;
+  add_body(world, ball_body({0.0, 0.0}), at(Vec3(near, 0.0, near)));
+  Workspace w;
+  const Touches& touches = find_touches(world, w);
+  ASSERT_EQ(touches.all.size(), 2u);
+  AtEnd end;
+  for (const Touch& touch : touches.all) {
+    ASSERT_EQ(touch.a, 1u);
+    const std::span<const ContactPoint> points =
+        points_at_end(world, touches, touch, world.states[1].X_WB, world.states[0].X_WB, end);
+    ASSERT_EQ(points.size(), 1u);
+    const Vec3 from_ball = touch.part == 0 ? Vec3(0.0, 0.0, -1.0) : Vec3(-1.0, 0.0, 0.0);
+    EXPECT_LT((points[0].n_AB_W - from_ball).norm(), 1e-9);
+    EXPECT_NEAR(points[0].depth, in, 1e-9);
+  }
+}
+
+// The impulse of a row's mass times the approach of two blocks at a point takes all of it away.
+TEST(RowAt, HasTheMassByWhichAnImpulseStopsTheApproachAtThePoint) {
+  World world = make_world({.rate_hz = kRate, .gravity_W = Vec3::Zero()});
+  const State states[] = {at(Vec3(-0.3, 0.0, 0.0), Vec3(2.0, 0.5, 0.0), Vec3(0.0, 3.0, -1.0)),
+                          at(Vec3(0.3, 0.1, 0.0), Vec3(-1.0, 0.0, 0.2), Vec3(1.0, 0.0, 2.0))};
+  add_body(world, solid(test::box({0.3, 0.2, 0.1}), {0.0, 0.0}, 3.0), states[0]);
+  add_body(world, solid(test::box({0.3, 0.1, 0.4}), {0.0, 0.0}, 2.0), states[1]);
+  Workspace w;
+  depart(world, w);
+  const ContactPoint point{.p_W = Vec3(0.0, 0.05, 0.08), .n_AB_W = Vec3(0.96, 0.0, 0.28)};
+  const Vec3 arms[] = {point.p_W - states[0].X_WB.p, point.p_W - states[1].X_WB.p};
+  for (const bool b_moves : {true, false}) {
+    Touch touch;
+    touch.a = 0;
+    touch.b = 1;
+    touch.b_moves = b_moves;
+    const NormalRow row = row_at(w.flight, touch, point, states[0].X_WB.p, states[1].X_WB.p);
+    const auto speed_of = [&](std::size_t i, double impulse) {
+      const Vec3 F = impulse * point.n_AB_W;
+      const Vec3 v = states[i].v_WB + F / world.bodies[i].mass;
+      const Vec3 w_W = states[i].w_WB + world.bodies[i].inertia.inverse() * arms[i].cross(F);
+      return point.n_AB_W.dot(v + w_W.cross(arms[i]));
+    };
+    const double impulse = row.mass * (speed_of(0, 0.0) - speed_of(1, 0.0));
+    EXPECT_GT(impulse, 1.0);
+    EXPECT_NEAR(speed_of(0, -impulse), speed_of(1, b_moves ? impulse : 0.0), 1e-12);
+  }
 }
 
 }  // namespace
