@@ -179,7 +179,7 @@ TEST(BroadPhase, FindsWhatMeetsBarsThatAreFarLargerThanTheOtherBodies) {
   const std::vector<Capsule> capsules = balls_and_bars(random, 600, {7, 100, 101, 598, 599});
   std::vector<std::uint8_t> moving(capsules.size());
   for (std::uint8_t& m : moving) m = static_cast<std::uint8_t>(index_below(random, 2));
-  for (const std::size_t bar : {7, 100, 598}) moving[bar] = bar == 100;
+  for (const std::size_t bar : {7u, 100u, 598u}) moving[bar] = bar == 100;
   for (const double margin : {0.0, 0.01}) {
     for (const std::vector<std::uint8_t>& who : {std::vector<std::uint8_t>{}, moving}) {
       EXPECT_EQ(broad_phase.find_pairs(capsules, who, margin),
@@ -231,6 +231,20 @@ TEST(BroadPhase, NeedsNoMoreMemoryForABarAmongManyTinyBodies) {
   }
   BroadPhase broad_phase;
   EXPECT_EQ(broad_phase.find_pairs(capsules), expected);
+}
+
+// Cells have the size of the bodies: cells of a metre would be too many for bodies of a kilometre.
+TEST(BroadPhase, FindsTheSamePairsOfBodiesOfEverySize) {
+  Random random(16);
+  BroadPhase broad_phase;
+  const std::vector<Capsule> capsules = balls_and_bars(random, 200, {3, 150});
+  const std::vector<Pair> expected = compared_each_with_each(capsules, {}, 0.0);
+  for (const double scale : {0x1p-10, 1.0, 0x1p10}) {
+    std::vector<Capsule> scaled;
+    for (const Capsule& c : capsules)
+      scaled.push_back({scale * c.a, scale * c.b, scale * c.radius});
+    EXPECT_EQ(broad_phase.find_pairs(scaled), expected) << scale;
+  }
 }
 
 TEST(BroadPhase, FindsTheSamePairsWhenThreadsShareTheWork) {
