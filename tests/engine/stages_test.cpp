@@ -265,5 +265,77 @@ TEST(RowAt, HasTheMassByWhichAnImpulseStopsTheApproachAtThePoint) {
   }
 }
 
+/// A ball that lies and has been still for long, as it is after its contacts were solved.
+struct LongStill : Lying {
+  Solved& solved = sustain(world, touches, flight, w);
+  LongStill() { world.memory.bodies[1].still = kRate; }
+  bool sleeps() {
+    fall_asleep(world, touches, flight, solved);
+    return is_asleep(world, 1);
+  }
+};
+
+TEST(FallAsleep, NeedsHalfOfTheWeightCarried) {
+  for (const double carried : {0.5, std::nextafter(0.5, 0.0)}) {
+    LongStill at;
+    at.solved.carried[1] = carried;
+    EXPECT_EQ(at.sleeps(), carried == 0.5);
+  }
+  LongStill before_rules_2;
+  before_rules_2.world.parameters.rules = 1;
+  before_rules_2.solved.carried[1] = 0.0;
+  EXPECT_TRUE(before_rules_2.sleeps());
+}
+
+TEST(FallAsleep, NeedsLessThanTheSpeedAndSpinOfSleepers) {
+  for (const bool spins : {false, true}) {
+    for (const bool less : {false, true}) {
+      LongStill at;
+      const Parameters& p = at.world.parameters;
+      const double limit = spins ? p.sleep_spin : p.sleep_speed;
+      const Vec3 most(0.0, less ? std::nextafter(limit, 0.0) : limit, 0.0);
+      (spins ? at.world.states[1].w_WB : at.world.states[1].v_WB) = most;
+      EXPECT_EQ(at.sleeps(), less) << spins;
+      EXPECT_EQ(at.world.memory.bodies[1].still, less ? kRate + 1 : 0);
+    }
+  }
+}
+
+TEST(FallAsleep, NeverHappensOnADrivenBodyThatMovesAndIsTouched) {
+  struct Case {
+    double speed, depth;
+    std::uint32_t points;
+    int rules;
+    bool sleeps;
+  };
+  for (const Case& c :
+       {Case{0.1, 0.0, 1, 14, false}, Case{0.1, -kRests, 1, 14, false},
+        Case{0.1, std::nextafter(-kRests, -1.0), 1, 14, true}, Case{0.1, 0.0, 0, 14, true},
+        Case{0.0, 0.0, 1, 14, true}, Case{0.1, 0.0, 1, 1, true}}) {
+    LongStill at;
+    at.touches.all[0].b_driven = true;
+    at.touches.all[0].points = c.points;
+    at.w.flight.bodies[0].top_speed = c.speed;
+    at.solved.touches[0].depth = c.depth;
+    at.world.parameters.rules = c.rules;
+    EXPECT_EQ(at.sleeps(), c.sleeps) << c.speed << " " << c.depth << " " << c.rules;
+  }
+}
+
+// Three balls in a row, asleep: who wakes one wakes all.
+TEST(FallAsleep, JoinsTheBodiesOfAnIsland) {
+  for (const BodyId woken : {0u, 1u, 2u}) {
+    World world = make_world({.rate_hz = kRate, .gravity_W = Vec3::Zero(), .sleep_after = 0.01});
+    for (int i = 0; i < 3; ++i) {
+      add_body(world, ball_body({0.0, 0.0}), at(Vec3(2.0 * kBallRadius * i, 0.0, 0.0)));
+    }
+    Workspace w;
+    for (int i = 0; i < 10; ++i) step(world, w);
+    for (const BodyId i : {0u, 1u, 2u}) ASSERT_TRUE(is_asleep(world, i));
+    wake(world, woken);
+    for (const BodyId i : {0u, 1u, 2u}) EXPECT_FALSE(is_asleep(world, i)) << woken << " " << i;
+  }
+}
+
 }  // namespace
 }  // namespace headpin::engine

@@ -1,6 +1,13 @@
+#include <algorithm>
+#include <atomic>
 #include <cfenv>
+#include <chrono>
+#include <filesystem>
 #include <functional>
+#include <iterator>
+#include <set>
 #include <stdexcept>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -198,6 +205,47 @@ TEST(AWorkspace, StepsAndEndsInAChildOfFork) {
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
 }
 #endif
+
+/// Threads of this process by now.
+std::ptrdiff_t threads_by_now() {
+  return std::distance(std::filesystem::directory_iterator("/proc/self/task"),
+                       std::filesystem::directory_iterator());
+}
+
+// Parts that wait for each other need a thread each: this one, and others that round as it does.
+TEST(ACrew, WorksWithAsManyThreadsAsItWasTold) {
+  const std::ptrdiff_t before = threads_by_now();
+  Crew crew;
+  for (const int threads : {4, 3, 5, 2}) {
+    crew.use(threads);
+    const auto parts = static_cast<std::size_t>(threads);
+    for (const int round : {FE_UPWARD, FE_DOWNWARD}) {
+      std::vector<std::size_t> who(parts);
+      std::vector<int> rounding(parts);
+      std::atomic<int> here = 0;
+      const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+      std::fesetround(round);
+      crew.share(parts, [&](std::size_t part, std::size_t by) {
+        who[part] = by;
+        rounding[part] = std::fegetround();
+        ++here;
+        while (here < threads && std::chrono::steady_clock::now() < give_up) {
+          std::this_thread::yield();
+        }
+      });
+      std::fesetround(FE_TONEAREST);
+      EXPECT_EQ(std::set(who.begin(), who.end()).size(), parts);
+      EXPECT_LT(*std::max_element(who.begin(), who.end()), parts);
+      EXPECT_THAT(rounding, testing::Each(round));
+    }
+    const std::ptrdiff_t most = before + threads - 1;
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (threads_by_now() > most && std::chrono::steady_clock::now() < give_up) {
+      std::this_thread::yield();  // those that ended may be listed for a moment
+    }
+    EXPECT_LE(threads_by_now(), most);
+  }
+}
 
 }  // namespace
 }  // namespace headpin::engine
