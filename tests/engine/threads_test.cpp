@@ -11,6 +11,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -246,6 +247,32 @@ TEST(ACrew, WorksWithAsManyThreadsAsItWasTold) {
     EXPECT_LE(threads_by_now(), most);
   }
 }
+
+#ifndef HEADPIN_SANITIZED  // their runtimes need addresses themselves
+TEST(ACrew, DoesTheWorkAloneWhereTheSystemMakesNoThreads) {
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(60);
+    rlimit addresses{};
+    getrlimit(RLIMIT_AS, &addresses);
+    addresses.rlim_cur = 1 << 20;  // no stack for a thread
+    if (setrlimit(RLIMIT_AS, &addresses) != 0) _exit(2);
+    Crew crew;
+    crew.use(4);
+    int calls = 0, by_others = 0;
+    for (int round = 0; round < 3; ++round) {
+      crew.share(9, [&](std::size_t, std::size_t who) {
+        ++calls;
+        by_others += who == 0 ? 0 : 1;
+      });
+    }
+    _exit(calls == 27 && by_others == 0 ? 0 : 1);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+}
+#endif
 
 }  // namespace
 }  // namespace headpin::engine
