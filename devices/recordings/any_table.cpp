@@ -99,49 +99,6 @@ std::size_t numbers_in(const Cells& cells, bool decimal_comma) {
       cells, [&](std::string_view cell) { return number_of(cell, decimal_comma).has_value(); }));
 }
 
-constexpr std::size_t kLooked = 50;  // lines at the beginning and at the end
-
-/// Whether blanks part the lines that are looked at into equally many cells.
-bool blanks_part_evenly(const std::vector<Line>& lines) {
-  std::size_t cells = 0;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (lines[i].comment || (i >= kLooked && i + kLooked < lines.size())) continue;
-    const std::size_t its = split(lines[i].text, ' ').size();
-    if (cells > 0 && its != cells) return false;
-    cells = its;
-  }
-  return true;
-}
-
-/// The style in which most cells of the last lines are numbers.
-Style style_of(const std::vector<Line>& lines) {
-  Style best;
-  double most = 0.0;
-  const std::size_t first = lines.size() - std::min(lines.size(), kLooked);
-  // An empty cell is no word, unless several tabs are one separator.
-  const bool count_empty = blanks_part_evenly(lines);
-  const auto counts = [&](std::string_view cell) { return count_empty || !cell.empty(); };
-  for (const char separator : {',', ';', '\t', '|', ' '}) {
-    for (const bool decimal_comma : {false, true}) {
-      if (separator == ',' && decimal_comma) continue;
-      std::size_t cells = 0, numbers = 0;
-      for (std::size_t i = first; i < lines.size(); ++i) {
-        if (lines[i].comment) continue;
-        const Cells split_up = split(lines[i].text, separator);
-        cells += static_cast<std::size_t>(std::ranges::count_if(split_up, counts));
-        numbers += numbers_in(split_up, decimal_comma);
-      }
-      // Many numbers, and few words beside them.
-      const double score = cells == 0
-                               ? 0.0
-                               : static_cast<double>(numbers) * static_cast<double>(numbers) /
-                                     static_cast<double>(cells);
-      if (score > most) most = score, best = {separator, decimal_comma};
-    }
-  }
-  return best;
-}
-
 /// The first of the lines with numbers: most of its cells are no words, and most of those of the line after it.
 std::size_t first_row(const std::vector<Line>& lines, const Style& style) {
   const auto looks_like_numbers = [&](const Cells& cells) {
@@ -159,6 +116,97 @@ std::size_t first_row(const std::vector<Line>& lines, const Style& style) {
     }
   }
   return lines.size();
+}
+
+/// The most usual number of cells of a line, from the first of the numbers.
+std::size_t usual_count(const std::vector<Line>& lines, std::size_t from, char separator) {
+  std::map<std::size_t, std::size_t> counts;
+  for (std::size_t i = from; i < lines.size() && i < from + 200; ++i) {
+    if (!lines[i].comment) ++counts[split(lines[i].text, separator).size()];
+  }
+  return std::ranges::max_element(counts, {}, [](const auto& count) { return count.second; })
+      ->first;
+}
+
+/// A cell behind the separator at the end of a line is none.
+void drop_open_end(Cells& cells, std::size_t columns) {
+  if (cells.size() == columns + 1 && cells.back().empty()) cells.pop_back();
+}
+
+/// The text of a line of the header, of a comment what is behind its sign.
+std::string_view header_text(const Line& line) {
+  if (!line.comment) return line.text;
+  std::string_view text = trimmed(line.text);
+  text.remove_prefix(std::min(text.find_first_not_of("#%/ \t"), text.size()));
+  return text;
+}
+
+std::size_t filled_in(const Cells& cells) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(cells, [](std::string_view cell) { return !cell.empty(); }));
+}
+
+/// Whether each tab begins a column, so that empty cells are those of columns: most rows have equally many
+/// cells, and a line above them has a name for each. Else several tabs may be one separator.
+bool each_tab_begins_a_column(const std::vector<Line>& lines, const Style& style) {
+  const std::size_t begin = first_row(lines, style);
+  if (begin == lines.size()) return false;
+  const std::size_t columns = usual_count(lines, begin, style.separator);
+  std::size_t rows = 0, usual = 0, least_filled = columns, most_filled = 0;
+  bool open = true;  // a tab ends each row
+  for (std::size_t i = begin; i < lines.size(); ++i) {
+    if (lines[i].comment) continue;
+    Cells cells = split(lines[i].text, style.separator);
+    drop_open_end(cells, columns);
+    const std::size_t filled = filled_in(cells);
+    if (cells.size() > columns && filled <= columns) return false;  // some of its tabs only align
+    ++rows;
+    if (cells.size() != columns) continue;
+    ++usual;
+    least_filled = std::min(least_filled, filled);
+    most_filled = std::max(most_filled, filled);
+    open = open && cells.back().empty();
+  }
+  if (10 * usual < 9 * rows) return false;
+  const auto names_each = [&](const Line& line) {
+    Cells cells = split(header_text(line), style.separator);
+    drop_open_end(cells, columns);
+    if (cells.size() != columns && !(open && cells.size() + 1 == columns)) return false;
+    const std::size_t names = filled_in(cells);
+    if (names <= least_filled || numbers_in(cells, style.decimal_comma) > 0) return false;
+    // One may have no name, unless blanks part rows into as many cells as there are names.
+    return names == columns || (names + 1 == columns && (open || names != most_filled));
+  };
+  return std::any_of(lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(begin), names_each);
+}
+
+/// The style in which most cells of the last lines are numbers.
+Style style_of(const std::vector<Line>& lines) {
+  constexpr std::size_t kLooked = 50;
+  Style best;
+  double most = 0.0;
+  const std::size_t first = lines.size() - std::min(lines.size(), kLooked);
+  for (const char separator : {',', ';', '\t', '|', ' '}) {
+    for (const bool decimal_comma : {false, true}) {
+      if (separator == ',' && decimal_comma) continue;
+      const Style style{separator, decimal_comma};
+      std::size_t words = 0, empty = 0, numbers = 0;
+      for (std::size_t i = first; i < lines.size(); ++i) {
+        if (lines[i].comment) continue;
+        const Cells cells = split(lines[i].text, separator);
+        words += filled_in(cells);
+        empty += cells.size() - filled_in(cells);
+        numbers += numbers_in(cells, decimal_comma);
+      }
+      if (numbers == 0) continue;
+      if (separator == '\t' && empty > 0 && !each_tab_begins_a_column(lines, style)) words += empty;
+      // Many numbers, and few words beside them.
+      const double score =
+          static_cast<double>(numbers) * static_cast<double>(numbers) / static_cast<double>(words);
+      if (score > most) most = score, best = style;
+    }
+  }
+  return best;
 }
 
 /// The unit in brackets at the end of a header's cell, which loses it: "x [mm]".
@@ -200,19 +248,22 @@ bool are_units(const Cells& cells) {
 /// The lines above the numbers, as rows of cells.
 class Header {
  public:
-  Header(const Style& style, std::size_t columns) : style_(style), columns_(columns) {}
+  /// How many names a comment may have, to be one of names.
+  struct Names {
+    std::size_t fewest;
+    std::size_t most;
+  };
+
+  Header(const Style& style, std::size_t columns, const Names& of_comment)
+      : style_(style), columns_(columns), of_comment_(of_comment) {}
 
   void take(const Line& line, bool last, AnyTable& table) {
-    std::string_view text = trimmed(line.text);
-    if (line.comment) {
-      if (!last) return;
-      text.remove_prefix(std::min(text.find_first_not_of("#%/ \t"), text.size()));
-    } else {
-      text = line.text;
-    }
-    Cells cells = split(text, style_.separator);
-    if (cells.size() == columns_ + 1 && cells.back().empty()) cells.pop_back();
-    if (line.comment && cells.size() != columns_) return;
+    if (line.comment && !last) return;
+    Cells cells = split(header_text(line), style_.separator);
+    drop_open_end(cells, columns_);
+    const bool names_columns =
+        cells.size() >= of_comment_.fewest && cells.size() <= of_comment_.most;
+    if (line.comment && !names_columns) return;
     if (take_facts(cells, table)) return;
     if (are_units(cells)) {
       units_ = cells;
@@ -257,9 +308,7 @@ class Header {
       }
       return true;
     }
-    const auto words = static_cast<std::size_t>(
-        std::ranges::count_if(cells, [](auto cell) { return !cell.empty(); }));
-    if (words != 1 || cells.front().empty() || columns_ < 4) return false;
+    if (filled_in(cells) != 1 || cells.front().empty() || columns_ < 4) return false;
     const std::string only = small_letters(cells.front());
     if (only == "segments" || only == "objects") table.kind = "Vicon";
     if (number_of(only, false)) table.facts.emplace_back("rate", only);
@@ -280,19 +329,10 @@ class Header {
 
   Style style_;
   std::size_t columns_;
+  Names of_comment_;
   std::vector<Cells> rows_;
   Cells units_;
 };
-
-/// The most usual number of cells of a line, from the first of the numbers.
-std::size_t usual_count(const std::vector<Line>& lines, std::size_t from, char separator) {
-  std::map<std::size_t, std::size_t> counts;
-  for (std::size_t i = from; i < lines.size() && i < from + 200; ++i) {
-    if (!lines[i].comment) ++counts[split(lines[i].text, separator).size()];
-  }
-  return std::ranges::max_element(counts, {}, [](const auto& count) { return count.second; })
-      ->first;
-}
 
 }  // namespace
 
@@ -378,23 +418,24 @@ AnyTable read_any_table(std::string_view text, std::string_view where) {
                                             lines[begin].number, kMostColumns, columns));
   }
   // Some programs end each line with a separator.
-  const auto is_open = [&](const Cells& cells) {
-    return cells.size() == columns && cells.back().empty();
-  };
-  bool open = style.separator != ' ' && columns > 4;
+  const std::size_t usual = columns;
+  bool open = style.separator != ' ' && columns > 4, odd_ones = false;
   for (std::size_t i = begin; open && i < lines.size(); ++i) {
-    if (!lines[i].comment) open = is_open(split(lines[i].text, style.separator));
+    if (lines[i].comment) continue;
+    const Cells cells = split(lines[i].text, style.separator);
+    if (cells.size() == usual) open = cells.back().empty();
+    odd_ones = odd_ones || cells.size() != usual;
   }
-  if (open) --columns;
+  if (open && !odd_ones) --columns;
 
-  Header header(style, columns);
+  Header header(style, columns, {.fewest = open ? usual - 1 : usual, .most = usual});
   for (std::size_t i = 0; i < begin; ++i) header.take(lines[i], i + 1 == begin, table);
   table.columns = header.columns();
   std::size_t odd = 0, first_odd = 0;
   for (std::size_t i = begin; i < lines.size(); ++i) {
     if (lines[i].comment) continue;
     Cells cells = split(lines[i].text, style.separator);
-    if (cells.size() == columns + 1 && cells.back().empty()) cells.pop_back();
+    drop_open_end(cells, columns);
     if (cells.size() != columns) {
       if (odd++ == 0) first_odd = lines[i].number;
       continue;

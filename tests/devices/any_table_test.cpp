@@ -2,6 +2,7 @@
 
 #include "devices/recordings/any_table.h"
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -293,6 +294,92 @@ TEST(SplitCells, KeepsACommaInANumberBeforeABlank) {
   EXPECT_THAT(split_cells("1,2;let go"), ElementsAre("1,2", "let go"));
   EXPECT_THAT(split_cells("1,2\tlet go"), ElementsAre("1,2", "let go"));
   EXPECT_THAT(split_cells(""), IsEmpty());
+}
+
+std::string rows_of(int count, std::string_view row) {
+  std::string rows;
+  for (int i = 0; i < count; ++i) rows += fmt::format("{}{}\n", i, row);
+  return rows;
+}
+
+// A line with another number of words than the rows have says nothing of what several tabs are.
+TEST(AnyTableTabs, ThatAlignAreOneSeparator) {
+  const std::vector<std::string> names = {"time_s", "hmd_x", "hmd_y", "hmd_z"};
+  const std::string header = "time_s\t\thmd_x\thmd_y\thmd_z\n",
+                    rows = rows_of(60, "\t\t1\t\t2\t\t3");
+  for (const std::string& text :
+       {header + rows, "Session\n" + header + rows, header + rows + "60\t\t1.6",
+        header + "s\t\tm\n" + rows, "# a\tb\tc\td\te\tf\n" + header + rows + "60\t\t1"}) {
+    EXPECT_EQ(names_above(text), names) << text.substr(0, 60);
+    const AnyTable table = read_any_table(text, "t.txt");
+    ASSERT_THAT(table.rows, SizeIs(60));
+    EXPECT_THAT(table.rows[1].cells, ElementsAre("1", "1", "2", "3"));
+  }
+}
+
+// Values of eight characters reach the next tab stop, and are behind one tab.
+TEST(AnyTableTabs, BehindWhichValuesAreAtTabStopsAreOneSeparator) {
+  std::string text = "Room 3\ntimestamp\t\thmd_x\t\thmd_y\t\thmd_z\t\thmd_w\n";
+  for (int i = 0; i < 300; ++i) {
+    const std::string x = fmt::format("{}", i % 10 == 0 ? 0.00699428 : 0.5);
+    text += fmt::format("{}\t\t{}{}1.7\t\t0.05\t\t1\n", i, x, x.size() < 8 ? "\t\t" : "\t");
+  }
+  const AnyTable table = read_any_table(text, "t.txt");
+  EXPECT_THAT(names_above(text), ElementsAre("timestamp", "hmd_x", "hmd_y", "hmd_z", "hmd_w"));
+  EXPECT_THAT(table.notes, IsEmpty());
+  ASSERT_THAT(table.rows, SizeIs(300));
+  EXPECT_THAT(table.rows[10].cells, ElementsAre("10", "0.00699428", "1.7", "0.05", "1"));
+}
+
+TEST(AnyTableTabs, ThatAlignMayBeBelowALineWithAsManyTabs) {
+  // A word that few rows have is behind one tab more.
+  const std::string events = "timestamp\tx\ty\tz\tevent\n" + rows_of(30, "\t\t1\t2\t3") +
+                             "30\t\t1\t2\t3\tgrab\n" + rows_of(60, "\t\t1\t2\t3");
+  EXPECT_THAT(read_any_table(events, "t.txt").rows.at(1).cells, ElementsAre("1", "1", "2", "3"));
+  // One without a name may be that of the tab that aligns.
+  const std::string open = "timestamp\tx\ty\tz\t\n" + rows_of(60, "\t\t1\t2\t3");
+  EXPECT_THAT(names_above(open), ElementsAre("timestamp", "x", "y", "z"));
+  EXPECT_THAT(read_any_table(open, "t.txt").rows.at(1).cells, ElementsAre("1", "1", "2", "3"));
+  // Rows without empty cells, and a header that is aligned.
+  const std::string aligned =
+      "# a\tb\tc\td\nevent\t\tx\t\ty\t\tz\n" + rows_of(20, ".00001\t1\t2\t3");
+  EXPECT_THAT(names_above(aligned), ElementsAre("event", "x", "y", "z"));
+}
+
+// The names may be in a comment, and rows may be cut, or have no name above their first cells.
+TEST(AnyTableTabs, BelowNamesOfAllColumnsBeginOneEach) {
+  const std::string names = "t\tlx\tly\thx\thy\thz", row = "\t\t\t1\t2\t3";
+  for (const std::string& text :
+       {"# " + names + "\n" + rows_of(60, row), names + "\n" + rows_of(60, row) + "60\t\t\t1.",
+        "Session 3\n# of 2026\n" + names + "\n# remark\n" + rows_of(60, row) + "the end\n",
+        names + "\t\n" + rows_of(60, row + "\t"), "# " + names + "\n" + rows_of(60, row + "\t")}) {
+    EXPECT_THAT(names_above(text), ElementsAre("t", "lx", "ly", "hx", "hy", "hz")) << text;
+    const AnyTable table = read_any_table(text, "t.tsv");
+    ASSERT_THAT(table.rows, SizeIs(60));
+    EXPECT_EQ(table.rows[1].cells[3], "1");
+  }
+  const std::string numbered = "\t" + names + "\n" + rows_of(60, "\t0.5" + row);
+  EXPECT_THAT(names_above(numbered), ElementsAre("#1", "t", "lx", "ly", "hx", "hy", "hz"));
+}
+
+// The last columns are empty in all rows: the last separator of a row is then one at its end.
+TEST(AnyTableHeader, InACommentMayNameTheColumnBehindTheLastSeparators) {
+  for (const char separator : {',', ';', '\t'}) {
+    std::string text = "# t,x,y,z,rx,ry,rz\n" + rows_of(20, ",1,2,3,,,");
+    std::ranges::replace(text, ',', separator);
+    EXPECT_THAT(names_above(text), ElementsAre("t", "x", "y", "z", "rx", "ry")) << separator;
+    EXPECT_THAT(names_above(text + "20"), ElementsAre("t", "x", "y", "z", "rx", "ry", "rz"));
+  }
+}
+
+TEST(AnyTableStyle, IsOneOfFewNumbersAmongManyEmptyCells) {
+  std::string text = "t;x;y;z";
+  for (int i = 0; i < 100; ++i) text += fmt::format(";n{}", i);
+  text += "\n" + rows_of(60, ",5;1,5;2,5;3,5" + std::string(100, ';'));
+  const AnyTable table = read_any_table(text, "t.csv");
+  EXPECT_EQ(table.separator, ';');
+  EXPECT_TRUE(table.decimal_comma);
+  EXPECT_THAT(table.rows, SizeIs(60));
 }
 
 }  // namespace
