@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdint>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -57,6 +58,22 @@ bool says_nothing(std::string_view word) {
 std::size_t last_word(const std::vector<std::string>& words, std::size_t count) {
   while (count > 0 && says_nothing(words[count - 1])) --count;
   return count;
+}
+
+/// Whether a text ends with a Latin letter beyond ASCII, or an accent on a letter: in UTF-8, or a byte of Latin 1.
+bool ends_with_latin_letter(std::string_view text) {
+  const auto byte = [&](std::size_t back) -> std::uint32_t {
+    return back > text.size() ? 0u : static_cast<unsigned char>(text[text.size() - back]);
+  };
+  // The signs of times and divided by.
+  const auto is_sign = [](std::uint32_t code) { return code == 0xd7 || code == 0xf7; };
+  if (byte(1) >= 0xc0) return !is_sign(byte(1));  // no byte of UTF-8 is so at the end of a sign
+  if (byte(1) < 0x80) return false;
+  if (byte(3) == 0xe1) return byte(2) >= 0xb8 && byte(2) <= 0xbb;  // U+1E00 to U+1EFF
+  if (byte(2) < 0xc0 || byte(2) >= 0xe0) return false;
+  const std::uint32_t code = ((byte(2) & 0x1fu) << 6u) | (byte(1) & 0x3fu);
+  const bool letter = code >= 0xc0 && code < 0x2b0 && !is_sign(code);
+  return letter || (code >= 0x300 && code < 0x370);
 }
 
 }  // namespace
@@ -125,8 +142,9 @@ std::vector<std::string> words_of(std::string_view name) {
     const char c = name[i], after = i + 1 < name.size() ? name[i + 1] : ' ';
     const auto byte = static_cast<unsigned char>(c);
     const bool part_of_word = is(c, std::isalnum) || byte >= 128;
-    // Letters beyond ASCII that follow each other are of one word.
-    const bool goes_on = byte >= 128 && static_cast<unsigned char>(before) >= 128;
+    // Letters beyond ASCII that follow each other are of one word, and small letters behind Latin ones.
+    const bool goes_on = (byte >= 128 && static_cast<unsigned char>(before) >= 128) ||
+                         (is(c, std::islower) && ends_with_latin_letter(name.substr(0, i)));
     // "posX" and "HMDPos" are two words each.
     const bool capital =
         is(c, std::isupper) &&

@@ -1,5 +1,8 @@
 #include "devices/recordings/column_names.h"
 
+#include <string>
+
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -345,6 +348,28 @@ TEST(ColumnNames, SayAHandByItsLetterAlone) {
   EXPECT_EQ(part_of_name("lhand"), 1u);
   EXPECT_EQ(part_of_name("review"), std::nullopt);
   EXPECT_EQ(part_of_name("rl"), std::nullopt);
+}
+
+// "r" behind a letter beyond ASCII was the right hand.
+TEST(ColumnNames, KeepSmallLettersWithLatinLettersBeforeThem) {
+  EXPECT_THAT(words_of("T\u00fcr_x"), ElementsAre("t\u00fcr", "x"));
+  EXPECT_THAT(words_of("\u00d6l.x"), ElementsAre("\u00d6l", "x"));
+  EXPECT_THAT(words_of("Tu\u0308r_x"), ElementsAre("tu\u0308r", "x"));  // two signs, one letter
+  EXPECT_THAT(words_of("\u1ed3l_x"), ElementsAre("\u1ed3l", "x"));
+  EXPECT_THAT(words_of("T\xfcr_x"), ElementsAre("t\xfcr", "x"));  // of Latin 1
+  EXPECT_EQ(part_of_name("T\u00fcr"), std::nullopt);
+  EXPECT_EQ(part_of_name("\u00d6l"), std::nullopt);
+  EXPECT_EQ(part_of_name("G\u00e9r\u00e9 r"), 2u);
+}
+
+TEST(ColumnNames, BeginAWordBehindOtherSignsBeyondAscii) {
+  for (const char* sign : {"\u00b5", "\u00b0", "\u00d7", "\u00f7", "\u2013", "\u00a0", "\u4f4d",
+                           "\u03b1", "\u0434", "\u02da"}) {
+    EXPECT_THAT(words_of(fmt::format("a {}x", sign)), ElementsAre("a", sign, "x"));
+  }
+  EXPECT_THAT(words_of("Men\u00fcX"), ElementsAre("men\u00fc", "x"));
+  EXPECT_THAT(words_of("T\u00fcr2"), ElementsAre("t\u00fcr", "2"));
+  EXPECT_EQ(component_of("\u982d\u90e8x").quantity, Quantity::position);
 }
 
 }  // namespace
