@@ -21,12 +21,15 @@ std::optional<std::size_t> only_column(const AnyTable& table, std::string_view n
                                   table.columns.begin());
 }
 
+/// The column that a user calls so: by its number, its name, or its lowest cell with or without its unit.
 std::optional<std::size_t> column_called(const AnyTable& table, std::string_view name) {
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    if (table.columns[c].name == name || name == fmt::format("#{}", c + 1)) return c;
+    if (name == fmt::format("#{}", c + 1)) return c;
   }
-  if (const auto found = only_column(table, name, &FoundColumn::written)) return found;
-  return only_column(table, name, &FoundColumn::last);
+  for (const auto kind : {&FoundColumn::name, &FoundColumn::written, &FoundColumn::last}) {
+    if (const auto found = only_column(table, name, kind)) return found;
+  }
+  return std::nullopt;
 }
 
 /// Puts what the user told into the columns.
@@ -35,82 +38,102 @@ class Told {
   Told(const AnyTable& table, std::string_view where, MotionColumns& columns)
       : table_(table), where_(where), columns_(columns) {}
 
-  void take(const ToldColumn& told) {
-    const std::string& key = told.key;
-    const std::size_t dot = key.find('.');
-    const auto part = static_cast<std::size_t>(std::ranges::find(kPartKeys, key.substr(0, dot)) -
-                                               kPartKeys.begin());
-    if (!is_column_key(key)) {
-      throw WrongColumn(told, fmt::format("unknown key '{}'", key),
-                        fmt::format("expected {}", kColumnKeys));
-    }
-    if (key == "time") {
-      columns_.time = column(told);
-    } else if (key == "object") {
-      columns_.object = column(told);
-    } else if (key == "trigger") {
-      for (PartColumns& each : columns_.parts) each.trigger = column(told);
-    } else if (dot == std::string::npos) {
-      whole_part(part, told);
-    } else {
-      const Component component = component_of(key.substr(dot + 1));
-      if (component.quantity == Quantity::none || !component.object.empty()) {
-        throw WrongColumn(told, fmt::format("unknown component '{}'", key),
-                          "expected x, y, z, qw, qx, qy, qz, rx, ry, rz (angles), m00 to m22 or "
-                          "trigger");
+  void take(const ToldColumns& all) {
+    for (const ToldColumn& told : all) {
+      const std::string& key = told.key;
+      if (!is_column_key(key)) {
+        throw WrongColumn(told, fmt::format("unknown key '{}'", key),
+                          fmt::format("expected {}", kColumnKeys));
       }
-      put(objects_[part], component, column(told), "");
+      const std::size_t dot = key.find('.');
+      const auto part = static_cast<std::size_t>(std::ranges::find(kPartKeys, key.substr(0, dot)) -
+                                                 kPartKeys.begin());
+      if (key == "time") {
+        columns_.time = column(told);
+      } else if (key == "object") {
+        columns_.object = column(told);
+      } else if (key == "trigger") {
+        trigger_ = column(told);
+      } else if (dot == std::string::npos) {
+        whole_part(part, told);
+      } else {
+        one_component(part, told, all);
+      }
     }
   }
 
   /// Which parts were told whole.
   std::array<bool, 3> done() {
     std::array<bool, 3> told{};
-    for (auto& [part, object] : objects_) {
-      finish(object);
-      told[part] = whole(object.columns.position);
-      if (told[part]) set(part, object.columns);
+    for (const auto& [part, object] : objects_) {
+      Object its = object;
+      finish(its);
+      told[part] = whole(its.columns.position);
+      if (told[part]) columns_.parts[part] = its.columns;
     }
-    for (auto& [part, columns] : whole_parts_) {
-      add(part, columns);
+    for (const auto& [part, object] : whole_parts_) {
+      columns_.parts[part] = with_told(part, object);
       told[part] = true;
-      set(part, columns);
     }
     return told;
   }
 
-  /// Adds what was told of a part to what was found of it.
-  void add(std::size_t part, PartColumns& found) const {
+  /// What was found of a part, with what was told of it.
+  PartColumns with_told(std::size_t part, Object found) const {
     const auto told = objects_.find(part);
-    if (told == objects_.end()) return;
-    const auto take = [](const auto& from, auto& to) {
-      if (whole(from)) to = from;
-    };
-    const PartColumns& its = told->second.columns;
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (its.position[i]) found.position[i] = its.position[i];
-    }
-    take(its.quaternion, found.quaternion);
-    take(its.angles, found.angles);
-    take(its.matrix, found.matrix);
-    if (its.trigger) found.trigger = its.trigger;
-    if (its.rotation != RotationKind::none) found.rotation = its.rotation;
+    if (told == objects_.end() || put_over(told->second, found)) return found.columns;
+    const ToldColumn& turn = turns_.at(part);
+    throw WrongColumn(turn, fmt::format("{} = '{}' makes no whole rotation", turn.key, turn.column),
+                      "expected all of qw, qx, qy, qz, or of rx, ry, rz, or m00 to m22");
+  }
+
+  /// The told trigger of a part: its own, else that of both hands.
+  std::optional<std::size_t> trigger(std::size_t part) const {
+    const auto told = objects_.find(part);
+    const bool own = told != objects_.end() && told->second.columns.trigger;
+    return own ? told->second.columns.trigger : trigger_;
   }
 
  private:
-  /// A trigger of both hands stays, unless the hand has its own.
-  void set(std::size_t part, const PartColumns& told) {
-    const std::optional<std::size_t> trigger = columns_.parts[part].trigger;
-    columns_.parts[part] = told;
-    if (!told.trigger) columns_.parts[part].trigger = trigger;
-  }
-
   std::size_t column(const ToldColumn& told) const {
     if (const auto found = column_called(table_, told.column)) return *found;
+    std::vector<std::size_t> called;
     std::vector<std::string> names;
-    for (const FoundColumn& one : table_.columns) names.push_back(one.name);
+    for (const FoundColumn& one : table_.columns) {
+      names.push_back(one.name);
+      if (one.name == told.column) called.push_back(names.size());
+    }
+    if (called.size() > 1) {
+      throw WrongColumn(
+          told, fmt::format("{} columns of {} are called '{}'", called.size(), where_, told.column),
+          fmt::format("expected one of them by its number, such as #{} or #{}", called[0],
+                      called[1]));
+    }
     throw WrongColumn(told, fmt::format("{} has no column '{}'", where_, told.column),
                       names_in(table_), std::move(names));
+  }
+
+  void one_component(std::size_t part, const ToldColumn& told, const ToldColumns& all) {
+    const std::string word = told.key.substr(told.key.find('.') + 1);
+    Component component = component_of(word);
+    if (component.quantity == Quantity::none || !component.object.empty()) {
+      throw WrongColumn(told, fmt::format("unknown component '{}'", told.key),
+                        "expected x, y, z, qw, qx, qy, qz, rx, ry, rz (angles), m00 to m22 or "
+                        "trigger");
+    }
+    // "rx" is an angle, unless "rw" is told too.
+    const std::string rw = fmt::format("{}.rw", kPartKeys[part]);
+    if (is_one_of(word, {"rx", "ry", "rz"}) &&
+        std::ranges::find(all, rw, &ToldColumn::key) == all.end()) {
+      component = {Quantity::angle, component.index - 1, {}};
+    }
+    put(objects_[part], component, column(told), "");
+    if (is_rotation(component.quantity)) turns_.emplace(part, told);
+  }
+
+  static bool is_rotation(Quantity quantity) {
+    return quantity == Quantity::quaternion || quantity == Quantity::angle ||
+           quantity == Quantity::matrix;
   }
 
   void whole_part(std::size_t part, const ToldColumn& told) {
@@ -138,14 +161,16 @@ class Told {
               found.size() > 1 ? fmt::format("are of {} objects", found.size()) : "lack x, y or z"),
           "expected x, y and z of one object");
     }
-    whole_parts_[part] = found.front().second.columns;
+    whole_parts_[part] = found.front().second;
   }
 
   const AnyTable& table_;
   std::string_view where_;
   MotionColumns& columns_;
   std::map<std::size_t, Object> objects_;  // of components
-  std::map<std::size_t, PartColumns> whole_parts_;
+  std::map<std::size_t, Object> whole_parts_;
+  std::map<std::size_t, ToldColumn> turns_;  // the first component of the rotation
+  std::optional<std::size_t> trigger_;       // of both hands
 };
 
 using Candidates = std::vector<const std::pair<std::string, Object>*>;
@@ -303,12 +328,12 @@ ToldColumns mapping_of(const AnyTable& table, const MotionColumns& columns) {
   const auto tell = [&](const std::string& key, const std::optional<std::size_t>& column) {
     if (!column) return;
     const std::string& name = table.columns[*column].name;
-    const bool once = std::ranges::count(table.columns, name, &FoundColumn::name) == 1;
+    const bool once = std::ranges::count(table.columns, name, &FoundColumn::name) == 1 &&
+                      column_called(table, name) == column;
     all.push_back({key, once ? name : fmt::format("#{}", *column + 1)});
   };
   tell("time", columns.time);
   tell("object", columns.object);
-  if (columns.object) return all;  // its other columns are found again
   for (std::size_t part = 0; part < 3; ++part) {
     const PartColumns& its = columns.parts[part];
     if (!its.tracked()) continue;
@@ -317,11 +342,16 @@ ToldColumns mapping_of(const AnyTable& table, const MotionColumns& columns) {
         tell(fmt::format("{}.{}{}", kPartKeys[part], before, letters[i]), places[i]);
       }
     };
-    each(its.position, "", "xyz");
-    each(its.quaternion, "q", "wxyz");
-    each(its.angles, "r", "xyz");
-    for (std::size_t i = 0; i < 9; ++i) {
-      tell(fmt::format("{}.m{}{}", kPartKeys[part], i / 3, i % 3), its.matrix[i]);
+    const auto turns_by = [&](RotationKind kind) {
+      return its.rotation == kind || its.rotation == RotationKind::none;
+    };
+    if (!columns.object) {  // whose columns are found again
+      each(its.position, "", "xyz");
+      if (turns_by(RotationKind::quaternion)) each(its.quaternion, "q", "wxyz");
+      if (turns_by(RotationKind::angles) || its.rotation == RotationKind::vector)
+        each(its.angles, "r", "xyz");
+      for (std::size_t i = 0; i < 9 && turns_by(RotationKind::matrix); ++i)
+        tell(fmt::format("{}.m{}{}", kPartKeys[part], i / 3, i % 3), its.matrix[i]);
     }
     if (part > 0) tell(fmt::format("{}.trigger", kPartKeys[part]), its.trigger);
   }
@@ -358,7 +388,7 @@ MotionColumns find_columns(const AnyTable& table, const ToldColumns& told, bool 
                            std::string_view where) {
   MotionColumns columns;
   Told said(table, where, columns);
-  for (const ToldColumn& one : told) said.take(one);
+  said.take(told);
   const std::array<bool, 3> is_told = said.done();
   const bool hand_told = is_told[1] || is_told[2];
 
@@ -374,17 +404,15 @@ MotionColumns find_columns(const AnyTable& table, const ToldColumns& told, bool 
     found[only_hand_is_left ? 1 : 2] = only_hand(objects, found[0]);
   for (std::size_t part = 0; part < 3; ++part) {
     PartColumns& its = columns.parts[part];
-    const std::optional<std::size_t> trigger = its.trigger;
-    if (found[part]) {
-      its = found[part]->columns;
-      said.add(part, its);
-    }
-    if (trigger) its.trigger = trigger;
+    if (found[part]) its = said.with_told(part, *found[part]);
     if (part > 0 && its.tracked() && !its.trigger)
       its.trigger = loose_trigger(table, objects, part);
   }
   if (!columns.parts[0].tracked() || columns.object) {
     find_objects(table, objects, only_hand_is_left, columns);
+  }
+  for (std::size_t part = 0; part < 3; ++part) {
+    if (const auto trigger = said.trigger(part)) columns.parts[part].trigger = trigger;
   }
   say_meanings(table, columns);
   say_missing(table, columns);

@@ -8,9 +8,17 @@
 namespace headpin::devices {
 namespace {
 
+template <std::size_t N>
+using Places = std::array<std::optional<std::size_t>, N>;
+
 /// Matrices count from 0 or from 1: "m00" to "m23", or "r11" to "r33".
 void take_matrix(PartColumns& part, const std::map<std::size_t, std::size_t>& elements) {
-  const std::size_t from = elements.contains(0) ? 0 : 1;
+  const auto has = [&](std::size_t digit) {
+    return std::ranges::any_of(elements, [&](const auto& element) {
+      return element.first / 10 == digit || element.first % 10 == digit;
+    });
+  };
+  const std::size_t from = has(3) && !has(0) ? 1 : 0;
   for (std::size_t row = 0; row < 3; ++row) {
     for (std::size_t column = 0; column < 4; ++column) {
       const auto found = elements.find(10 * (row + from) + column + from);
@@ -25,13 +33,27 @@ void take_matrix(PartColumns& part, const std::map<std::size_t, std::size_t>& el
 }
 
 template <std::size_t N>
-bool any(const std::array<std::optional<std::size_t>, N>& columns) {
+bool any(const Places<N>& columns) {
   return std::ranges::any_of(columns, [](const auto& c) { return c.has_value(); });
 }
 
+template <std::size_t N>
+Places<N> over(const Places<N>& told, Places<N> found) {
+  for (std::size_t i = 0; i < N; ++i) {
+    if (told[i]) found[i] = told[i];
+  }
+  return found;
+}
+
+/// Three numbers that are called a rotation, without a fourth, are angles.
+Places<3> angles_in(const Places<4>& quaternion) {
+  if (quaternion[0]) return {};
+  return {quaternion[1], quaternion[2], quaternion[3]};
+}
+
 /// The set of a rotation's columns that is whole; else what all sets have together.
-std::array<std::optional<std::size_t>, 4> quaternion_in(const std::vector<RotationSet>& sets) {
-  std::array<std::optional<std::size_t>, 4> merged{};
+Places<4> quaternion_in(const std::vector<RotationSet>& sets) {
+  Places<4> merged{};
   for (const RotationSet& set : sets) {
     if (whole(set.columns)) return set.columns;
     for (std::size_t i = 0; i < 4; ++i) {
@@ -42,8 +64,7 @@ std::array<std::optional<std::size_t>, 4> quaternion_in(const std::vector<Rotati
 }
 
 /// The columns of a set, which is added if it is not there.
-std::array<std::optional<std::size_t>, 4>& columns_of(std::vector<RotationSet>& sets,
-                                                      const std::string& name) {
+Places<4>& columns_of(std::vector<RotationSet>& sets, const std::string& name) {
   const auto found = std::ranges::find(sets, name, &RotationSet::name);
   return (found == sets.end() ? sets.emplace_back(RotationSet{.name = name}) : *found).columns;
 }
@@ -88,15 +109,46 @@ void finish(Object& object) {
   PartColumns& part = object.columns;
   part.quaternion = quaternion_in(object.rotations);
   if (!object.elements.empty()) take_matrix(part, object.elements);
-  // Three numbers called a rotation, without a fourth, are angles.
   if (!part.quaternion[0] && part.quaternion[1] && !any(part.angles)) {
-    part.angles = {part.quaternion[1], part.quaternion[2], part.quaternion[3]};
+    part.angles = angles_in(part.quaternion);
     part.quaternion = {};
   }
   part.rotation = whole(part.quaternion) ? RotationKind::quaternion
                   : whole(part.angles)   ? RotationKind::angles
                   : whole(part.matrix)   ? RotationKind::matrix
                                          : RotationKind::none;
+}
+
+bool put_over(const Object& told, Object& found) {
+  PartColumns& part = found.columns;
+  PartColumns its = told.columns;
+  take_matrix(its, told.elements);
+  its.quaternion = quaternion_in(told.rotations);
+  part.position = over(its.position, part.position);
+  const bool of_quaternion = any(its.quaternion), of_angles = any(its.angles);
+  const Places<4> quaternion = over(its.quaternion, quaternion_in(found.rotations));
+  Places<3> angles = over(its.angles, part.angles);
+  for (const RotationSet& set : found.rotations) {
+    if (!whole(angles)) angles = over(its.angles, angles_in(set.columns));
+  }
+  const Places<9> matrix = over(its.matrix, part.matrix);
+  if (of_quaternion && whole(quaternion)) {
+    part.quaternion = quaternion;
+    part.rotation = RotationKind::quaternion;
+  } else if (of_angles && whole(angles)) {
+    part.angles = angles;
+    part.rotation = RotationKind::angles;
+  } else if (of_quaternion && whole(angles_in(quaternion))) {
+    part.angles = angles_in(quaternion);
+    part.rotation = RotationKind::angles;
+  } else if (any(its.matrix) && whole(matrix)) {
+    part.matrix = matrix;
+    part.rotation = RotationKind::matrix;
+  } else {
+    const bool nothing = !of_quaternion && !of_angles && !any(its.matrix);
+    return nothing || part.rotation == RotationKind::none;
+  }
+  return true;
 }
 
 std::optional<std::string> starred(std::string_view name, std::string_view pattern) {

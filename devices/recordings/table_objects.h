@@ -41,6 +41,11 @@ void put(Object& object, const Component& component, std::size_t column, const s
 /// Decides how the rotation of an object is written, when all its columns are known.
 void finish(Object& object);
 
+/// Puts what was told of an object over what was found of it, component by component.
+/// @param told  not finished
+/// @return      false if what was told of the rotation makes none, beside another one that was found
+bool put_over(const Object& told, Object& found);
+
 /// What the * of a pattern stands for in a name; none if the name is not of the pattern.
 std::optional<std::string> starred(std::string_view name, std::string_view pattern);
 

@@ -1,0 +1,209 @@
+// Columns that a user tells beside those that were found: whose trigger it is, parts of a rotation, equal names.
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "devices/recordings/table_columns.h"
+#include "tests/support/folder.h"
+
+namespace headpin::devices {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// Four rows of numbers under a header of one line.
+std::string rows_under(const std::string& header) {
+  std::string text = header + "\n";
+  for (int row = 0; row < 4; ++row) {
+    text += fmt::format("{:.2f}", 0.01 * row);
+    for (int c = 0; c < std::ranges::count(header, ','); ++c) text += fmt::format(",{}", c);
+    text += "\n";
+  }
+  return text;
+}
+
+MotionColumns with_told(const std::string& header, const ToldColumns& told) {
+  return find_columns(read_any_table(rows_under(header), "t.csv"), told, false, "t.csv");
+}
+
+/// Where the columns of a rotation stand.
+template <std::size_t N>
+std::vector<std::size_t> places_at(const std::array<std::optional<std::size_t>, N>& columns) {
+  std::vector<std::size_t> all;
+  for (const auto& column : columns) all.push_back(column.value_or(999));
+  return all;
+}
+
+const std::string kHeadAndHand = "time,hmd_x,hmd_y,hmd_z,right_x,right_y,right_z";
+
+// The found trigger was taken.
+TEST(ToldTrigger, OfBothHandsGoesBeforeOneThatWasFound) {
+  const std::string names = kHeadAndHand + ",right_trigger,button_b";
+  const ToldColumn general = {"trigger", "button_b"}, object = {"right", "right_*"};
+  const std::vector<ToldColumns> ways = {{general}, {general, object}, {object, general}};
+  for (const ToldColumns& told : ways) {
+    const MotionColumns columns = with_told(names, told);
+    EXPECT_EQ(columns.parts[2].trigger, 8u);
+    EXPECT_EQ(columns.meanings[7], "");
+  }
+}
+
+// It won only where the places of the hand were told too.
+TEST(ToldTrigger, OfAHandGoesBeforeThatOfBoth) {
+  const std::string names = kHeadAndHand + ",right_trigger,button_b,pull";
+  const ToldColumn general = {"trigger", "button_b"}, own = {"right.trigger", "pull"};
+  const ToldColumns places = {{"right.x", "right_x"}, {"right.y", "right_y"}, {"right.z", "#7"}};
+  for (const ToldColumns& more : {ToldColumns{}, ToldColumns{{"right", "right_*"}}, places}) {
+    ToldColumns first = {general, own}, last = more;
+    first.insert(first.end(), more.begin(), more.end());
+    last.insert(last.end(), {own, general});
+    EXPECT_EQ(with_told(names, first).parts[2].trigger, 9u);
+    EXPECT_EQ(with_told(names, last).parts[2].trigger, 9u);
+  }
+}
+
+// It was not used, and a file of columns did not have it.
+TEST(ToldTrigger, HoldsForATableWithARowForEachObject) {
+  std::string text = "time,who,x,y,z,qw,qx,qy,qz,trigger,pull\n";
+  for (int i = 0; i < 4; ++i) {
+    for (const char* who : {"head", "right"})
+      text += fmt::format("{:.2f},{},1,2,3,1,0,0,0,0,1\n", 0.01 * i, who);
+  }
+  const AnyTable table = read_any_table(text, "t.csv");
+  const MotionColumns told = find_columns(table, {{"trigger", "pull"}}, false, "t.csv");
+  EXPECT_EQ(told.object, 1u);
+  EXPECT_EQ(told.parts[2].trigger, 10u);
+  EXPECT_EQ(find_columns(table, mapping_of(table, told), false, "t.csv").parts[2].trigger, 10u);
+}
+
+/// What is said of a wrong column.
+std::string told_refusal(const std::string& header, const ToldColumns& told) {
+  return complaint([&] { with_told(header, told); });
+}
+
+// The first of them was taken.
+TEST(ToldColumns, ByAWholeNameThatSeveralHaveAreRefused) {
+  const std::string header = "time,x [m],y [m],z [m],x [mm],y [mm],z [mm]";
+  EXPECT_EQ(
+      told_refusal(header, {{"head.x", "x", "--columns"}}),
+      "--columns: 2 columns of t.csv are called 'x'; expected one of them by its number, such "
+      "as #2 or #5");
+  EXPECT_EQ(told_refusal("time,x,y,z,x,y,z,x", {{"time", "x", "m.toml:1"}}),
+            "m.toml:1: 3 columns of t.csv are called 'x'; expected one of them by its number, such "
+            "as #2 or #5");
+  // With its unit it is one.
+  EXPECT_EQ(with_told(header, {{"time", "x [mm]"}}).time, 4u);
+  EXPECT_EQ(with_told(header, {{"time", "#5"}}).time, 4u);
+  EXPECT_EQ(with_told("time,x [mm],y,z,x", {{"time", "x"}}).time, 4u);
+}
+
+TEST(ToldColumns, ByANumberAreThoseThoughAnotherIsCalledSo) {
+  const std::string text = rows_under("#3,hmd_x,hmd_y,hmd_z");
+  const AnyTable table = read_any_table(text, "t.csv");
+  const MotionColumns columns = find_columns(table, {{"time", "#1"}}, false, "t.csv");
+  EXPECT_EQ(columns.time, 0u);
+  EXPECT_EQ(find_columns(table, mapping_of(table, columns), false, "t.csv").time, 0u);
+}
+
+// W was not used, and the other three were read as angles.
+TEST(ToldRotation, OfOneColumnCompletesWhatWasFound) {
+  const std::string names = kHeadAndHand + ",W,hmd_qx,hmd_qy,hmd_qz";
+  for (const ToldColumns& told :
+       {ToldColumns{{"head.qw", "W"}}, {{"head", "hmd_*"}, {"head.qw", "W"}}}) {
+    const PartColumns head = with_told(names, told).parts[0];
+    EXPECT_EQ(head.rotation, RotationKind::quaternion);
+    EXPECT_THAT(places_at(head.quaternion), ElementsAre(7u, 8u, 9u, 10u));
+    EXPECT_THAT(places_at(head.position), ElementsAre(1u, 2u, 3u));
+  }
+}
+
+// It was dropped.
+TEST(ToldRotation, OfOneColumnReplacesTheOneThatWasFound) {
+  const auto head = [](const std::string& names, const std::string& key) {
+    return with_told(kHeadAndHand + "," + names + ",a", {{key, "a"}}).parts[0];
+  };
+  const PartColumns quaternion = head("hmd_qw,hmd_qx,hmd_qy,hmd_qz", "head.qx");
+  EXPECT_EQ(quaternion.rotation, RotationKind::quaternion);
+  EXPECT_THAT(places_at(quaternion.quaternion), ElementsAre(7u, 11u, 9u, 10u));
+  for (const char* names : {"hmd_rx,hmd_ry,hmd_rz", "hmd_pitch,hmd_yaw,hmd_roll",
+                            "hmd_rot_x,hmd_rot_y,hmd_rot_z", "hmd_qx,hmd_qy,hmd_qz"}) {
+    const PartColumns angles = head(names, "head.ry");
+    EXPECT_EQ(angles.rotation, RotationKind::angles) << names;
+    EXPECT_THAT(places_at(angles.angles), ElementsAre(7u, 10u, 9u)) << names;
+  }
+  const PartColumns matrix =
+      head("hmd_r11,hmd_r12,hmd_r13,hmd_r21,hmd_r22,hmd_r23,hmd_r31,hmd_r32,hmd_r33", "head.m11");
+  EXPECT_EQ(matrix.rotation, RotationKind::matrix);
+  EXPECT_THAT(places_at(matrix.matrix), ElementsAre(7u, 8u, 9u, 10u, 16u, 12u, 13u, 14u, 15u));
+}
+
+// The rotation that was found was used without a word.
+TEST(ToldRotation, ThatIsNotWholeIsRefusedBesideAnotherOne) {
+  const std::string names = kHeadAndHand + ",hmd_qw,hmd_qx,hmd_qy,hmd_qz,a,b";
+  EXPECT_EQ(
+      told_refusal(names, {{"head.ry", "a", "--columns"}, {"head.rx", "b", "--columns"}}),
+      "--columns: head.ry = 'a' makes no whole rotation; expected all of qw, qx, qy, qz, or of "
+      "rx, ry, rz, or m00 to m22");
+  EXPECT_THAT(told_refusal(names, {{"head", "hmd_*"}, {"head.m00", "a", "m.toml:3"}}),
+              HasSubstr("m.toml:3: head.m00 = 'a' makes no whole rotation"));
+  // Where there is no other, a note says that there is none.
+  EXPECT_THAT(with_told(kHeadAndHand + ",a", {{"head.ry", "a"}}).missing,
+              Contains("the head has no rotation"));
+}
+
+TEST(ToldRotation, OfThreeAnglesIsNoQuaternionUnlessAFourthIsTold) {
+  const std::string names = kHeadAndHand + ",hmd_qw,hmd_qx,hmd_qy,hmd_qz,a,b,c,d";
+  ToldColumns told = {{"head.rx", "a"}, {"head.ry", "b"}, {"head.rz", "c"}};
+  const PartColumns three = with_told(names, told).parts[0];
+  EXPECT_EQ(three.rotation, RotationKind::angles);
+  EXPECT_THAT(places_at(three.angles), ElementsAre(11u, 12u, 13u));
+  told.push_back({"head.rw", "d"});
+  const PartColumns four = with_told(names, told).parts[0];
+  EXPECT_EQ(four.rotation, RotationKind::quaternion);
+  EXPECT_THAT(places_at(four.quaternion), ElementsAre(14u, 11u, 12u, 13u));
+  const PartColumns unnamed =
+      with_told(kHeadAndHand + ",a,b,c", {{"head.qx", "a"}, {"head.qy", "b"}, {"head.qz", "c"}})
+          .parts[0];
+  EXPECT_EQ(unnamed.rotation, RotationKind::angles);
+  EXPECT_THAT(places_at(unnamed.angles), ElementsAre(7u, 8u, 9u));
+}
+
+// The file had both rotations, and was read with the other one.
+TEST(ToldRotation, OfAFileOfColumnsIsTheOneThatWasUsed) {
+  const std::string text =
+      rows_under(kHeadAndHand + ",hmd_qw,hmd_qx,hmd_qy,hmd_qz,hmd_yaw,hmd_pitch,hmd_roll");
+  const AnyTable table = read_any_table(text, "t.csv");
+  const ToldColumns told = {
+      {"head.rx", "hmd_pitch"}, {"head.ry", "hmd_yaw"}, {"head.rz", "hmd_roll"}};
+  const auto again = [&](const ToldColumns& first) {
+    const MotionColumns columns = find_columns(table, first, false, "t.csv");
+    return find_columns(table, mapping_of(table, columns), false, "t.csv").parts[0];
+  };
+  EXPECT_EQ(again({}).rotation, RotationKind::quaternion);
+  EXPECT_FALSE(again({}).angles[0]);
+  const PartColumns angles = again(told);
+  EXPECT_EQ(angles.rotation, RotationKind::angles);
+  EXPECT_THAT(places_at(angles.angles), ElementsAre(12u, 11u, 13u));
+  EXPECT_FALSE(angles.quaternion[0]);
+  // A file that has both means the quaternion.
+  ToldColumns both = told;
+  for (std::size_t i = 0; i < 4; ++i)
+    both.push_back({fmt::format("head.q{}", "wxyz"[i]), fmt::format("#{}", 8 + i)});
+  for (std::size_t i = 0; i < 3; ++i)
+    both.push_back({fmt::format("head.{}", "xyz"[i]), fmt::format("#{}", 2 + i)});
+  EXPECT_EQ(with_told(text.substr(0, text.find('\n')), both).parts[0].rotation,
+            RotationKind::quaternion);
+}
+
+}  // namespace
+}  // namespace headpin::devices
