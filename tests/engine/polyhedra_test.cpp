@@ -72,5 +72,50 @@ TEST(PaperData, HasSevenObjectsOfTwentyTwoPrimitivesAndExactlyAsManyPolygonsAsAs
   }
 }
 
+Polyhedron octahedron() {
+  return Polyhedron(
+      {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(0, 0, 1), Vec3(0, 0, -1)},
+      {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}});
+}
+
+// A common point is enough: of two faces, two edges or two vertices. Just apart there is none.
+TEST(Polyhedra, MeetWhereTheyTouch) {
+  struct Case {
+    const char* name;
+    Polyhedron a, b;
+    Vec3 p_AB;
+  };
+  const Polyhedron cube = test::box({0.5, 0.5, 0.5}), beam = test::box({0.25, 2.0, 0.25});
+  const Case cases[] = {
+      {"face on face", cube, cube, {0.0, 0.0, 1.0}},
+      {"edge on edge", cube, cube, {0.0, 1.0, 1.0}},
+      {"vertex on vertex", cube, cube, {1.0, 1.0, 1.0}},
+      {"vertex on face", cube, octahedron(), {0.25, 0.25, 1.5}},
+      {"face on face, crossed", cube, beam, {0.0, 0.0, 0.75}},
+      {"edge across an edge", cube, octahedron(), {1.0, 1.0, 0.0}},
+  };
+  for (const Case& c : cases) {
+    for (const double more : {0.0, 1e-9}) {
+      const Pose X_AB{Quat::Identity(), (1.0 + more) * c.p_AB};
+      for (const EarlyOut out : {EarlyOut::no, EarlyOut::yes}) {
+        EXPECT_EQ(intersect_by_features(c.a, c.b, X_AB, out), more == 0.0) << c.name;
+        EXPECT_EQ(intersect_by_features(c.b, c.a, X_AB.inverse(), out), more == 0.0) << c.name;
+      }
+    }
+  }
+}
+
+// An edge that starts in the plane of a face, beside the face, and rises over it is outside.
+TEST(Polyhedra, DoNotMeetByAnEdgeThatRisesFromThePlaneOfAFace) {
+  const Polyhedron cube = test::box({0.5, 0.5, 0.5});
+  const Polyhedron over(
+      {Vec3(-1.0, 0.0, 0.5), Vec3(1.0, 0.0, 1.0), Vec3(0.0, 0.25, 2.0), Vec3(0.0, -0.25, 2.0)},
+      {{0, 2, 1}, {1, 3, 0}, {0, 3, 2}, {2, 3, 1}});
+  for (const EarlyOut out : {EarlyOut::no, EarlyOut::yes}) {
+    EXPECT_FALSE(intersect_by_features(cube, over, {}, out));
+    EXPECT_FALSE(intersect_by_features(over, cube, {}, out));
+  }
+}
+
 }  // namespace
 }  // namespace headpin::engine
