@@ -200,7 +200,9 @@ TEST(LandsLater, IsAboutTheSpeedAtWhichABallMeetsTheLaneAfterTheStep) {
                at(Vec3(0.0, 0.0, kBallRadius + gap), Vec3(0.0, 0.0, -down)));
       Workspace w;
       depart(world, w);
-      const Touch touch{.a = 1, .b = 0};
+      Touch touch;
+      touch.a = 1;
+      touch.b = 0;
       const ContactPoint point{.p_W = Vec3::Zero(), .n_AB_W = Vec3(0.0, 0.0, -1.0), .depth = -gap};
       const double left = gap - down * dt - 0.5 * g * dt * dt, at_end = down + g * dt;
       const double meets =
