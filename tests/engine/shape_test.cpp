@@ -12,6 +12,7 @@ namespace {
 
 using test::kShapeKinds;
 using test::ShapeKind;
+using testing::HasSubstr;
 
 // No point of the shape lies further along n than the support point, and that point is in the
 // shape.
@@ -97,7 +98,6 @@ std::string refusal(const std::vector<Vec3>& vertices, const Faces& faces) {
 }
 
 TEST(Polyhedron, IsRefusedWithTheReason) {
-  using testing::HasSubstr;
   const std::vector<Vec3> v = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   const Faces good = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
   EXPECT_EQ(refusal(v, good), "");
@@ -159,6 +159,83 @@ TEST(Shape, WithAMeasureThatIsNotPositiveIsRefused) {
   EXPECT_THROW(check(Ellipsoid{{1, 0, 3}}), std::invalid_argument);
   EXPECT_THROW(check(Cylinder{-1, 1}), std::invalid_argument);
   EXPECT_THROW(check(Cone{1, std::numeric_limits<double>::infinity()}), std::invalid_argument);
+}
+
+const Faces kTetrahedron = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+
+/// Corners of a tetrahedron of this size, right-angled at `corner`.
+std::vector<Vec3> tetrahedron(double size, const Vec3& corner = Vec3::Zero()) {
+  return {corner, corner + Vec3(size, 0, 0), corner + Vec3(0, size, 0), corner + Vec3(0, 0, size)};
+}
+
+TEST(Polyhedron, HasTwoCornersInOnePlaceUpToATenMillionthOfItsSize) {
+  for (const double size : {1e-3, 1e3}) {
+    const double apart = 1e-7 * std::sqrt(3.0) * size;
+    for (const Vec3& way : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}) {
+      std::vector<Vec3> v = tetrahedron(size, Vec3(2.0, 0.0, 0.0) * size);
+      v.push_back(v[0] + 0.9 * apart * way);
+      EXPECT_EQ(refusal(v, kTetrahedron), "polyhedron: vertices 0 and 4 are in one place") << size;
+      v[4] = v[0] + 1.1 * apart * way;
+      EXPECT_THAT(refusal(v, kTetrahedron), HasSubstr("vertex 4 has 0 edges")) << size;
+    }
+  }
+}
+
+TEST(Polyhedron, OfAnySizeIsAcceptedWithItsCentre) {
+  for (const double size : {1e-7, 1.0, 1e5}) {
+    const Vec3 corner = size * Vec3(0.5, -1.0, 2.0);
+    ASSERT_EQ(refusal(tetrahedron(size, corner), kTetrahedron), "") << size;
+    const Vec3 mean = corner + Vec3::Constant(0.25 * size);
+    EXPECT_LT((Polyhedron(tetrahedron(size, corner), kTetrahedron).centre() - mean).norm(),
+              1e-12 * size);
+  }
+}
+
+TEST(Polyhedron, TellsWhichCornerAndFaceIsWrongAndByHowMuch) {
+  // A dent in the base of five corners.
+  EXPECT_EQ(refusal({{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {0, 0.2, 0}, {-1, 1, 0}, {0, -0.5, 1}},
+                    {{4, 3, 2, 1, 0}, {0, 1, 5}, {1, 2, 5}, {2, 3, 5}, {3, 4, 5}, {4, 0, 5}}),
+            "polyhedron: not convex: face 0 turns inwards at vertex 3");
+  // The base goes up and down by a tenth about z = -1.
+  EXPECT_EQ(refusal({{1, 0, -0.9}, {0, 1, -1.1}, {-1, 0, -0.9}, {0, -1, -1.1}, {0, 0, 1}},
+                    {{0, 3, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}),
+            "polyhedron: face 0 is not flat: vertex 0 is -0.100000 off its plane");
+  EXPECT_EQ(refusal(tetrahedron(1.0), {{0, 1, 2}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}),
+            "polyhedron: edge 0-1 runs the same way in faces 0 and 1: one of them is turned over");
+  std::vector<Vec3> halved = tetrahedron(1.0);
+  halved.emplace_back(0.5, 0.0, 0.0);  // in the middle of edge 0-1
+  EXPECT_EQ(refusal(halved, {{0, 2, 1, 4}, {0, 4, 1, 3}, {1, 2, 3}, {0, 3, 2}}),
+            "polyhedron: vertex 4 has 2 edges, expected at least 3");
+}
+
+TEST(BoundingRadius, ReachesTheRim) {
+  EXPECT_DOUBLE_EQ(bounding_radius(Cylinder{.radius = 0.3, .half_height = 0.4}), 0.5);
+  EXPECT_DOUBLE_EQ(bounding_radius(Cone{.radius = 0.3, .height = 0.8}), 0.5);
+}
+
+TEST(Contains, AlsoHoldsTheSurfaceAndWhatIsOutsideByTheTolerance) {
+  const Shape box = Polyhedron(tetrahedron(1.0, Vec3(2.0, 4.0, 8.0)), kTetrahedron);
+  const Shape floor = HalfSpace{};
+  for (const double tolerance : {0.0, 0.25}) {
+    EXPECT_TRUE(contains(box, Vec3(2.0 - tolerance, 4.25, 8.25), tolerance));
+    EXPECT_FALSE(contains(box, Vec3(1.99 - tolerance, 4.25, 8.25), tolerance));
+    EXPECT_TRUE(contains(floor, Vec3(0.0, 0.0, tolerance), tolerance));
+    EXPECT_FALSE(contains(floor, Vec3(0.0, 0.0, tolerance + 0.01), tolerance));
+  }
+}
+
+TEST(Clearance, OfAPolyhedronIsTheLeastDistanceFromItsFaces) {
+  const Polyhedron p(tetrahedron(1.0, Vec3(2.0, 4.0, 8.0)), kTetrahedron);
+  EXPECT_DOUBLE_EQ(clearance(p, Vec3(2.0625, 4.125, 8.25)), 0.0625);
+  EXPECT_DOUBLE_EQ(clearance(p, Vec3(1.5, 4.125, 8.25)), -0.5);
+}
+
+TEST(Shape, IsRefusedForEachOfItsMeasures) {
+  EXPECT_NO_THROW(check(Shape(Cylinder{.radius = 1.0, .half_height = 1.0})));
+  EXPECT_NO_THROW(check(Shape(Cone{.radius = 1.0, .height = 1.0})));
+  EXPECT_THROW(check(Cylinder{.radius = 1.0, .half_height = 0.0}), std::invalid_argument);
+  EXPECT_THROW(check(Cone{.radius = 0.0, .height = 1.0}), std::invalid_argument);
+  EXPECT_THROW(check(Cone{.radius = 1.0, .height = 0.0}), std::invalid_argument);
 }
 
 }  // namespace
