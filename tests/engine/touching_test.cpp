@@ -97,8 +97,8 @@ World tumbling(bool lane_first, const Body& lane) {
 
 TEST(Touches, AreThoseOfTheTimeThatTheyAreLookedFor) {
   const double step = 1.0 / kSteps, t = 0.5 * step, way = 4.0 * step;
-  // To half the way of the whole step there is no friction.
-  const Body lane = lane_of_areas({{Vec2(-1, -1), Vec2(0.5 * way, 1), 0.0}});
+  // On the first three quarters of the way of the whole step there is no friction.
+  const Body lane = lane_of_areas({{Vec2(-1, -1), Vec2(0.75 * way, 1), 0.0}});
   for (const bool lane_first : {true, false}) {
     World world = tumbling(lane_first, lane);
     const BodyId body = lane_first ? 1 : 0;
@@ -108,7 +108,7 @@ TEST(Touches, AreThoseOfTheTimeThatTheyAreLookedFor) {
     ASSERT_EQ(touches.all.size(), 1u);
     const Touch before = touches.all[0];
     EXPECT_EQ(before.w_WA, Vec3(5, 6, 7));
-    EXPECT_NEAR(before.pair.friction, 0.125, 1e-12);
+    EXPECT_NEAR(before.pair.friction, 0.0625, 1e-12);
     ASSERT_EQ(add_touches(world, flight, 0, t, touches), 1u);
     Touch again = before;
     look_again(world, flight, again, t, touches);
@@ -119,7 +119,7 @@ TEST(Touches, AreThoseOfTheTimeThatTheyAreLookedFor) {
       EXPECT_EQ(touch.time, t);
       EXPECT_EQ(touch.w_WA, then.w_WB);
       EXPECT_TRUE(touch.w_WB.isZero(0.0));
-      EXPECT_NEAR(touch.pair.friction, 0.25, 1e-12);  // on the rest of the way
+      EXPECT_NEAR(touch.pair.friction, 0.125, 1e-12);  // on the rest of the way
       ASSERT_EQ(touch.points, 1u);
       const ContactPoint& point = touches.points[touch.first_point];
       EXPECT_LT((point.n_AB_W - Vec3(0, 0, -1)).norm(), 1e-12);
@@ -127,6 +127,49 @@ TEST(Touches, AreThoseOfTheTimeThatTheyAreLookedFor) {
     }
     EXPECT_EQ(again.sliding.limit, again.pair.friction);
     EXPECT_EQ(again.sliding.kept, 0.0);
+  }
+}
+
+TEST(Touches, OfTwoBodiesThatTumbleHaveTheTurningOfBoth) {
+  World world = make_world({.rate_hz = kSteps});
+  for (const double side : {-1.0, 1.0}) {
+    Body body = ball_body({}, 0.1);
+    body.inertia = Vec3(1.0, 2.0, 2.5).asDiagonal();
+    add_body(world, body, at(Vec3(0.1001 * side, 0, 0), Vec3(-side, 0, 0), Vec3(5, 6 * side, 7)));
+  }
+  Workspace w;
+  Touches& touches = find_touches(world, w);
+  const Flight flight = w.flight;
+  ASSERT_EQ(touches.all.size(), 1u);
+  const double t = 0.5 / kSteps;
+  ASSERT_EQ(add_touches(world, flight, 0, t, touches), 1u);
+  Touch again = touches.all[0];
+  look_again(world, flight, again, t, touches);
+  for (const Touch& touch : {touches.all[1], again}) {
+    for (const auto& [body, w_W] :
+         {std::pair(touch.a, touch.w_WA), std::pair(touch.b, touch.w_WB)}) {
+      EXPECT_EQ(w_W, state_at(world, flight, body, t).w_WB);
+      EXPECT_GT((w_W - world.states[body].w_WB).norm(), 1e-3);
+    }
+  }
+}
+
+TEST(LookAgain, FindsThePointsOfThePartThatATouchIsOf) {
+  World world = make_world({.rate_hz = kSteps});
+  Body corner = floor_body({});
+  corner.shape = make_compound({{test::box({1, 1, 0.1}), {Quat::Identity(), Vec3(0, 0, -0.1)}},
+                                {test::box({0.1, 1, 1}), {Quat::Identity(), Vec3(-0.1, 0, 1)}}});
+  add_body(world, corner);
+  add_body(world, ball_body({}), at(Vec3(kBallRadius, 0, kBallRadius)));
+  Workspace w;
+  Touches& touches = find_touches(world, w);
+  const Flight flight = w.flight;
+  ASSERT_EQ(touches.all.size(), 2u);
+  for (Touch touch : std::vector(touches.all)) {
+    look_again(world, flight, touch, 0.0, touches);
+    ASSERT_EQ(touch.points, 1u);
+    const Vec3 from_ball = touch.part == 0 ? Vec3(0, 0, -1) : Vec3(-1, 0, 0);
+    EXPECT_LT((touches.points[touch.first_point].n_AB_W - from_ball).norm(), 1e-9);
   }
 }
 

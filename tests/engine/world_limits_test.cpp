@@ -66,6 +66,7 @@ std::string refused_table(FrictionTable table) {
   body.table = nullptr;
   const BodyId lane = add_body(world, body);
   EXPECT_EQ(refused([&] { set_friction(world, lane, shared); }), added);
+  EXPECT_EQ(world.bodies[lane].table, added == "accepted" ? shared : nullptr);
   return added;
 }
 
@@ -179,14 +180,25 @@ TEST(AddBody, LetsFixedAndDrivenBodiesOverlap) {
 TEST(World, RefusesABodyThatItLacks) {
   World world = floating();
   add_body(world, ball_body({}, 0.1));
-  const std::string none = "body 1: there are 1";
-  EXPECT_EQ(refused([&] { set_state(world, 1, {}); }), none);
-  EXPECT_EQ(refused([&] { set_kind(world, 1, Kind::driven); }), none);
-  EXPECT_EQ(refused([&] { wake(world, 1); }), none);
-  EXPECT_EQ(refused([&] { put_to_sleep(world, 1); }), none);
-  EXPECT_EQ(refused([&] { outside_fixed(world, 1, {}); }), none);
-  EXPECT_EQ(refused([&] { forget_meetings(world, 1); }), none);
-  EXPECT_EQ(refused([&] { set_friction(world, 1, nullptr); }), none);
+  for (const BodyId i : {1u, 4'000'000'000u}) {
+    const std::string none = "body " + std::to_string(i) + ": there are 1";
+    EXPECT_EQ(refused([&] { set_state(world, i, {}); }), none);
+    EXPECT_EQ(refused([&] { set_kind(world, i, Kind::driven); }), none);
+    EXPECT_EQ(refused([&] { wake(world, i); }), none);
+    EXPECT_EQ(refused([&] { put_to_sleep(world, i); }), none);
+    EXPECT_EQ(refused([&] { outside_fixed(world, i, {}); }), none);
+    EXPECT_EQ(refused([&] { forget_meetings(world, i); }), none);
+    EXPECT_EQ(refused([&] { set_friction(world, i, nullptr); }), none);
+  }
+}
+
+TEST(AddBody, LetsTheNextStepFindTheSeamsAgain) {
+  World world = floating();
+  add_body(world, fixed_box(Vec3::Ones()));
+  step(world);
+  ASSERT_TRUE(world.seams.made);
+  add_body(world, fixed_box(Vec3::Ones()), at(Vec3(2, 0, 0)));
+  EXPECT_FALSE(world.seams.made);
 }
 
 TEST(SetKind, RefusesToFixABodyAndToFreeAFixedOne) {
@@ -282,6 +294,7 @@ TEST(TakeOver, CopiesWhatTheOtherWorldIsAndNoTouch) {
     return world;
   };
   World from = made(), to = made();
+  set_state(from, 3, at(Vec3(2.0, 0.5, kBallRadius)));
   set_kind(from, 3, Kind::driven);
   run(from, 0.05);
   put_to_sleep(from, 2);
