@@ -59,6 +59,14 @@ TEST(BundledRods, OfAConeBetweenBallsEndWhereItEnds) {
   EXPECT_LT(error_of(bundled_rods(parts, Rods::between_bends), closed_form(parts), 2.0), 1e-4);
 }
 
+// Also where even lines go past the apex of a lying cone, through its mirror image.
+TEST(BundledRods, OfALyingConeBesideABallEndAtItsApex) {
+  const std::vector<Part> parts{
+      {Cone{0.3, 0.8}, {quarters(1, Vec3::UnitY()), Vec3::Zero()}},
+      {Ellipsoid{Vec3::Constant(0.1)}, {Quat::Identity(), {1.2, 0.0, 0.0}}}};
+  EXPECT_LT(error_of(bundled_rods(parts, Rods::even), closed_form(parts), 1.0), 1e-4);
+}
+
 TEST(BundledRods, OfAConeWithAnUprightSideHaveItsMoments) {
   expect_moments(Cone{0.3, 0.8}, rotation({std::atan(0.375), 0.0, 0.0}), Rods::between_bends, 2e-5);
 }
