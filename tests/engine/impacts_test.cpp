@@ -19,9 +19,9 @@ using namespace detail;
 constexpr double kStepOfImpacts = 1.0 / 240.0;
 
 /// A ball of 1 kg, of unit inertia, that meets a driven one, on the side to which that one moves.
-struct Pressed {
-  explicit Pressed(double elasticity, const Vec3& driven_v, const State& ball, bool pressed = true,
-                   int rules = 14)
+struct PressedBall {
+  explicit PressedBall(double elasticity, const Vec3& driven_v, const State& ball,
+                       bool pressed = true, int rules = 14)
       : world(make_world({.gravity_W = Vec3::Zero(), .rules = rules})) {
     Body driven = ball_body({1.0, 0.0});
     driven.kind = Kind::driven;
@@ -41,7 +41,7 @@ struct Pressed {
   Workspace w;
 };
 
-const Vec3 kDriven(3.0, 0.0, 0.0);
+const Vec3 kVelocityOfHand(3.0, 0.0, 0.0);
 
 State going_by(const Vec3& v, const Vec3& w = Vec3::Zero()) {
   return at(Vec3::Zero(), v, w);
@@ -49,31 +49,35 @@ State going_by(const Vec3& v, const Vec3& w = Vec3::Zero()) {
 
 TEST(SqueezedBody, IsPushedWithoutRestitutionIfItsDrivenBodyPressedItJustBefore) {
   const State rest = going_by(Vec3::Zero());
-  EXPECT_NEAR((Pressed(0.5, kDriven, rest).v() - Vec3(3.0, 0.0, 0.0)).norm(), 0.0, 1e-12);
-  EXPECT_NEAR((Pressed(0.5, kDriven, rest, false).v() - Vec3(4.5, 0.0, 0.0)).norm(), 0.0, 1e-12);
-  EXPECT_NEAR((Pressed(0.5, kDriven, rest, true, 1).v() - Vec3(4.5, 0.0, 0.0)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((PressedBall(0.5, kVelocityOfHand, rest).v() - Vec3(3.0, 0.0, 0.0)).norm(), 0.0,
+              1e-12);
+  EXPECT_NEAR((PressedBall(0.5, kVelocityOfHand, rest, false).v() - Vec3(4.5, 0.0, 0.0)).norm(),
+              0.0, 1e-12);
+  EXPECT_NEAR((PressedBall(0.5, kVelocityOfHand, rest, true, 1).v() - Vec3(4.5, 0.0, 0.0)).norm(),
+              0.0, 1e-12);
 }
 
 TEST(SqueezedBody, IsNoneIfTheDrivenBodyStandsOrGoesAway) {
-  const Pressed stands(0.5, Vec3::Zero(), going_by(Vec3(-2.0, 0.0, 0.0)));
+  const PressedBall stands(0.5, Vec3::Zero(), going_by(Vec3(-2.0, 0.0, 0.0)));
   EXPECT_NEAR(stands.v().x(), 1.0, 1e-12);
-  const Pressed recedes(0.5, Vec3(-1.0, 0.0, 0.0), going_by(Vec3(-3.0, 0.0, 0.0)));
+  const PressedBall recedes(0.5, Vec3(-1.0, 0.0, 0.0), going_by(Vec3(-3.0, 0.0, 0.0)));
   EXPECT_NEAR(recedes.v().x(), 0.0, 1e-12);
 }
 
 // A throw gives (1 + e) v = 4.5 m/s.
 TEST(SqueezedBody, GetsNoMoreSpeedThanAThrowGives) {
-  const Pressed slow(0.5, kDriven, going_by(Vec3(0.0, 3.2, 0.0)));
+  const PressedBall slow(0.5, kVelocityOfHand, going_by(Vec3(0.0, 3.2, 0.0)));
   EXPECT_NEAR((slow.v() - Vec3(3.0, 3.2, 0.0)).norm(), 0.0, 1e-12);  // 4.39 m/s
   EXPECT_FALSE(slow.insists());
-  const Pressed fast(0.5, kDriven, going_by(Vec3(0.0, 5.0, 0.0)));  // would have 5.83 m/s
+  const PressedBall fast(0.5, kVelocityOfHand,
+                         going_by(Vec3(0.0, 5.0, 0.0)));  // would have 5.83 m/s
   EXPECT_NEAR((fast.v() - Vec3(0.0, 5.0, 0.0)).norm(), 0.0, 1e-12);
   EXPECT_TRUE(fast.insists());
   EXPECT_EQ(fast.w.flight.touches[0].due, kNever);
   EXPECT_EQ(fast.world.statistics.impacts, 1);
   EXPECT_EQ(fast.world.statistics.pulls, 0);
   // As if the driven body stood still.
-  const Pressed nears(0.5, kDriven, going_by(Vec3(-1.0, 5.0, 0.0)));
+  const PressedBall nears(0.5, kVelocityOfHand, going_by(Vec3(-1.0, 5.0, 0.0)));
   EXPECT_NEAR((nears.v() - Vec3(0.0, 5.0, 0.0)).norm(), 0.0, 1e-12);
 }
 
@@ -81,17 +85,18 @@ TEST(SqueezedBody, GetsNoMoreSpeedThanAThrowGives) {
 TEST(SqueezedBody, GetsNoMoreEnergyThanAHoopThatRollsAtThatSpeed) {
   for (const double spin_energy : {15.0, 16.0}) {  // and 4.5 J/kg by its speed
     const Vec3 w(std::sqrt(2.0 * spin_energy), 0.0, 0.0);
-    const Pressed ball(0.5, kDriven, going_by(Vec3::Zero(), w));
+    const PressedBall ball(0.5, kVelocityOfHand, going_by(Vec3::Zero(), w));
     EXPECT_NEAR(ball.v().x(), spin_energy == 15.0 ? 3.0 : 0.0, 1e-12);
     EXPECT_EQ(ball.insists(), spin_energy == 16.0);
   }
 }
 
 TEST(SqueezedBody, MayReachBothLimitsExactly) {
-  const Pressed speed(0.0, kDriven, going_by(Vec3::Zero()));  // 3 m/s
+  const PressedBall speed(0.0, kVelocityOfHand, going_by(Vec3::Zero()));  // 3 m/s
   EXPECT_EQ(speed.v().x(), 3.0);
   EXPECT_FALSE(speed.insists());
-  const Pressed energy(0.0, kDriven, going_by(Vec3::Zero(), Vec3(3.0, 0.0, 0.0)));  // 9 J/kg
+  const PressedBall energy(0.0, kVelocityOfHand,
+                           going_by(Vec3::Zero(), Vec3(3.0, 0.0, 0.0)));  // 9 J/kg
   EXPECT_EQ(energy.v().x(), 3.0);
   EXPECT_FALSE(energy.insists());
 }

@@ -15,7 +15,7 @@ namespace {
 
 using SavedBytes = std::vector<std::uint8_t>;
 
-constexpr BodyId kGround = 0, kBox = 1, kPusher = 2, kFree = 3, kSleeper = 4, kOther = 5;
+constexpr BodyId kGround = 0, kBox = 1, kPusher = 2, kLoose = 3, kSleeper = 4, kLast = 5;
 constexpr std::size_t kCountAt = 7 + 1 + 8 + 8, kFirstBodyAt = kCountAt + 4;  // bytes
 
 /// Bodies of every shape and kind.
@@ -36,7 +36,7 @@ World bodies_by_hand() {
   free.shape = make_compound({{Ellipsoid{{0.25, 0.5, 0.75}}, {}},
                               {Cone{0.125, 0.5}, {Quat(0.0, 1.0, 0.0, 0.0), {0.5, 0.25, 0.125}}}});
   add_body(world, free, at(Vec3(1.0, 2.0, 3.0), Vec3(4.0, 5.0, 6.0), Vec3(7.0, 8.0, 9.0)));
-  world.bodies[kFree].inertia << 1.0, 0.25, 0.5, 0.125, 2.0, 0.75, 0.375, 0.625, 3.0;
+  world.bodies[kLoose].inertia << 1.0, 0.25, 0.5, 0.125, 2.0, 0.75, 0.375, 0.625, 3.0;
   add_body(world, free, at(Vec3(11.5, 2.5, 3.5)));
   add_body(world, free, at(Vec3(21.5, 2.5, 9.5)));
   return world;
@@ -50,13 +50,13 @@ Balance balance_from(double first) {
 World with_a_past(World world) {
   world.tick = 1234;
   put_to_sleep(world, kSleeper);
-  world.states[kFree].X_WB.q = Quat(0.5, -0.5, 0.5, 0.5);
+  world.states[kLoose].X_WB.q = Quat(0.5, -0.5, 0.5, 0.5);
   world.ledger = {balance_from(10), balance_from(20), balance_from(30), balance_from(40),
                   balance_from(50)};
   Memory& memory = world.memory;
   memory.balance = balance_from(60);
-  memory.bodies[kFree] = {true, 7, kOther};
-  memory.bodies[kOther] = {false, 9, kFree};
+  memory.bodies[kLoose] = {true, 7, kLast};
+  memory.bodies[kLast] = {false, 9, kLoose};
   memory.loads = {{1.25, 3}, {2.5, 0x10002}, {3.75, 4}};
   const auto touch = [](std::uint64_t key, std::uint32_t part, double first) {
     PastTouch t;
@@ -69,8 +69,8 @@ World with_a_past(World world) {
     t.twist = first + 6.0;
     return t;
   };
-  const std::uint64_t key = key_of(true, kFree, kBox);
-  memory.touches = {touch(key_of(false, kFree, kGround), 0, 100.0), touch(key, 1, 200.0),
+  const std::uint64_t key = key_of(true, kLoose, kBox);
+  memory.touches = {touch(key_of(false, kLoose, kGround), 0, 100.0), touch(key, 1, 200.0),
                     touch(key, 2, 300.0)};
   memory.touches[0].friction = 0.75;
   memory.touches[1].loads = 2;
@@ -80,8 +80,8 @@ World with_a_past(World world) {
   memory.normals = {{Vec3::Zero(), KeptNormal::none},
                     {Vec3::UnitY(), KeptNormal::apart},
                     {-Vec3::UnitX(), KeptNormal::met}};
-  memory.candidates = {{key_of(false, kFree, kGround), kFree, kGround, 0, 0},
-                       {key, kFree, kBox, 1, 2}};
+  memory.candidates = {{key_of(false, kLoose, kGround), kLoose, kGround, 0, 0},
+                       {key, kLoose, kBox, 1, 2}};
   memory.met = {5, 5, 6};
   return world;
 }
@@ -143,7 +143,7 @@ TEST(SavedBytes, AreThoseOfVersions2And3) {
 TEST(SavedBytes, GiveBackAllThatChangesAndNoEvents) {
   World made = bodies_by_hand();
   const World world = with_a_past(made);
-  set_kind(made, kFree, Kind::driven);  // in any state
+  set_kind(made, kLoose, Kind::driven);  // in any state
   set_kind(made, kPusher, Kind::free);
   made.events.resize(2);
   made.statistics.impacts = 5;
@@ -152,7 +152,7 @@ TEST(SavedBytes, GiveBackAllThatChangesAndNoEvents) {
   EXPECT_TRUE(is.events.empty());
   EXPECT_EQ(is.statistics.impacts, 0);
   EXPECT_EQ(is.tick, 1234);
-  EXPECT_EQ(is.bodies[kFree].kind, Kind::free);
+  EXPECT_EQ(is.bodies[kLoose].kind, Kind::free);
   EXPECT_EQ(is.bodies[kPusher].kind, Kind::driven);
   EXPECT_TRUE(is_asleep(is, kSleeper));
   ASSERT_EQ(is.memory.touches.size(), 3u);
@@ -167,12 +167,12 @@ TEST(SavedBytes, AreRefusedWhereBodiesAreNotThoseOfTheWorld) {
   EXPECT_EQ(refusal_with(kCountAt, 5), "saved world: has 5 bodies, the world 6");
   EXPECT_EQ(refusal_with(kFirstBodyAt, 3), "saved world: body 0 is of another kind");
   EXPECT_EQ(refusal_with(kFirstBodyAt, 2), "saved world: body 0 is of another kind");
-  EXPECT_EQ(refusal_after([](World& w) { w.bodies[kFree].kind = Kind::fixed; }),
+  EXPECT_EQ(refusal_after([](World& w) { w.bodies[kLoose].kind = Kind::fixed; }),
             "saved world: was made of other bodies or parameters");
   const std::size_t a_body = 1 + 1 + 13 * 8 + 1 + 4 + 4;
-  EXPECT_EQ(refusal_with(kFirstBodyAt + kFree * a_body, 0),
+  EXPECT_EQ(refusal_with(kFirstBodyAt + kLoose * a_body, 0),
             "saved world: body 3 is of another kind");
-  EXPECT_EQ(refusal_with(kFirstBodyAt + kOther * a_body, 3),
+  EXPECT_EQ(refusal_with(kFirstBodyAt + kLast * a_body, 3),
             "saved world: body 5 is of another kind");
   EXPECT_EQ(refusal_after([](World& w) { w.asleep[kPusher] = 1; }),
             "saved world: body 2 sleeps and is not free");
@@ -181,13 +181,13 @@ TEST(SavedBytes, AreRefusedWhereBodiesAreNotThoseOfTheWorld) {
   EXPECT_EQ(refusal_after([](World& w) { w.tick = -1; }), "saved world: its tick is negative");
   EXPECT_EQ(refusal_after([](World& w) { w.tick = 0; }), "accepted");
   for (const double norm : {1.0 - 1.1e-6, 1.0 - 0.9e-6, 1.0 + 0.9e-6, 1.0 + 1.1e-6}) {
-    EXPECT_EQ(refusal_after([&](World& w) { w.states[kFree].X_WB.q.coeffs() *= norm; }),
+    EXPECT_EQ(refusal_after([&](World& w) { w.states[kLoose].X_WB.q.coeffs() *= norm; }),
               std::abs(norm - 1.0) < 1e-6 ? "accepted"
                                           : "saved world: body 3: norm of its quaternion is not 1");
   }
   const char* const no_ring = "saved world: bodies that sleep together are no ring";
-  EXPECT_EQ(refusal_after([](World& w) { w.memory.bodies[kFree].sleeps_with = 6; }), no_ring);
-  EXPECT_EQ(refusal_after([](World& w) { w.memory.bodies[kFree].sleeps_with = kSleeper; }),
+  EXPECT_EQ(refusal_after([](World& w) { w.memory.bodies[kLoose].sleeps_with = 6; }), no_ring);
+  EXPECT_EQ(refusal_after([](World& w) { w.memory.bodies[kLoose].sleeps_with = kSleeper; }),
             no_ring);
 }
 
@@ -244,7 +244,7 @@ TEST(SavedBytes, AreRefusedWithCandidatesThatCannotBe) {
   EXPECT_EQ(with_pair(true, 3, 2), "accepted");
   EXPECT_EQ(with_pair(true, 6, 1), no_body);
   EXPECT_EQ(with_pair(true, 3, 6), no_body);
-  EXPECT_EQ(refused([](Memory& m) { m.candidates[1].a = kOther; }), no_body);
+  EXPECT_EQ(refused([](Memory& m) { m.candidates[1].a = kLast; }), no_body);
   EXPECT_EQ(refused([](Memory& m) { m.candidates[1].key += 1; }), no_body);
   const char* const no_normal = "saved world: a candidate has normals that are not there";
   EXPECT_EQ(refused([](Memory& m) { m.candidates[1].first_normal = 2; }), no_normal);

@@ -271,7 +271,7 @@ TEST(MendAtSeams, LeavesAPointWhoseNormalIsThatOfTheFace) {
 }
 
 /// A body of small balls of a radius in a row along y, which begins above y = -0.5.
-Body row_of_balls(std::uint32_t count, double r) {
+Body balls_in_a_row(std::uint32_t count, double r) {
   std::vector<Part> parts;
   for (std::uint32_t j = 0; j < count; ++j) {
     parts.push_back({Ellipsoid{Vec3::Constant(r)}, {Quat::Identity(), {0.0, -0.5 + 0.01 * j, r}}});
@@ -285,7 +285,7 @@ Body row_of_balls(std::uint32_t count, double r) {
 TEST(MendAtSeams, KnowsThePartsByTheFeatureOfTheirPair) {
   for (const bool fixed_first : {false, true}) {
     World world = two_slabs(true);
-    const BodyId balls = add_body(world, row_of_balls(3, 0.002));
+    const BodyId balls = add_body(world, balls_in_a_row(3, 0.002));
     detail::know_seams(world);
     const Pose none;
     for (std::uint32_t i = 0; i < 2; ++i) {
@@ -317,7 +317,7 @@ TEST(MendAtSeams, LeavesBodiesOfMoreThan65536PairsOfPartsAndThoseThatAreFree) {
       slabs.push_back(slab({-1.0, k - 256.0, -0.1}, {1.0, k - 255.0, 0.0}));
     }
     add_fixed(world, slabs);
-    const BodyId balls = add_body(world, row_of_balls(count, 0.002));
+    const BodyId balls = add_body(world, balls_in_a_row(count, 0.002));
     detail::know_seams(world);
     const Pose none;
     std::vector<ContactPoint> points{
