@@ -157,8 +157,8 @@ struct BoxOfBalls {
 
   void add_mover(const Options& options, int k) {
     HardBall ball{.p = free_place(), .inv_mass = 1.0 / (4.0 + 3.0 * any())};
-    if (k % 3 > 0) ball.v = 5.0 * Vec3(any(), any(), any());
-    const Vec3 w = (options.spins ? 20.0 : 0.0) * Vec3(any(), any(), any());
+    if (k % 3 > 0) ball.v = 5.0 * any_vector();
+    const Vec3 w = (options.spins ? 20.0 : 0.0) * any_vector();
     ball.id = add_body(world, ball_body(kHard, kRadiusOfHard, 1.0 / ball.inv_mass),
                        at(ball.p, ball.v, ball.v.isZero() ? Vec3::Zero().eval() : w));
     if (k == 3 && !options.gravity) put_to_sleep(world, ball.id);
@@ -166,9 +166,13 @@ struct BoxOfBalls {
   }
 
   double any() { return std::uniform_real_distribution<double>(-1.0, 1.0)(random); }
+  Vec3 any_vector() {
+    const double z = any(), y = any(), x = any();  // in this order with every compiler
+    return {x, y, z};
+  }
   Vec3 free_place() {
     for (;;) {
-      const Vec3 p = (kHalfBox - kRadiusOfHard - 2e-3) * Vec3(any(), any(), any());
+      const Vec3 p = (kHalfBox - kRadiusOfHard - 2e-3) * any_vector();
       const bool apart = std::ranges::all_of(hard.balls, [&](const HardBall& b) {
         return (b.p - p).norm() > 2.0 * kRadiusOfHard + 2e-3;
       });
