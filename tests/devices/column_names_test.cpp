@@ -1,5 +1,6 @@
 #include "devices/recordings/column_names.h"
 
+#include <initializer_list>
 #include <string>
 
 #include <fmt/format.h>
@@ -25,38 +26,43 @@ TEST(ColumnNames, AreSplitIntoWords) {
   EXPECT_THAT(words_of("--"), ElementsAre());
 }
 
-TEST(ColumnNames, SayObjectAndComponent) {
-  struct Case {
-    const char* name;
-    Quantity quantity;
-    std::size_t index;
-    const char* object;
-  };
-  for (const Case& one : {
-           Case{"HMD_x", Quantity::position, 0, "hmd"},
-           Case{"HMD_qw", Quantity::quaternion, 0, "hmd"},
-           Case{"head_rot_z", Quantity::quaternion, 3, "head"},
-           Case{"leftHand.position.y", Quantity::position, 1, "left hand"},
-           Case{"leftHand.rotation.eulerAngles.y", Quantity::angle, 1, "left hand"},
-           Case{"Head Rotation W", Quantity::quaternion, 0, "head"},
-           Case{"ctrl_r_x", Quantity::position, 0, "ctrl r"},
-           Case{"wand_yaw", Quantity::angle, 1, "wand"},
-           Case{"hmd_m23", Quantity::matrix, 23, "hmd"},
-           Case{"hmd_pose_r11", Quantity::matrix, 11, "hmd"},
-           Case{"head_x_m", Quantity::position, 0, "head"},
-           Case{"head_x_mm", Quantity::position, 0, "head"},
-           Case{"right_trigger", Quantity::trigger, 0, "right"},
-           Case{"right_trigger_value", Quantity::trigger, 0, "right"},
-           Case{"qx", Quantity::quaternion, 1, ""},
-           Case{"head_pos_w", Quantity::none, 0, ""},
-           Case{"battery", Quantity::none, 0, ""},
-           Case{"t", Quantity::none, 0, ""},
-       }) {
+struct NamedComponent {
+  const char* name;
+  Quantity quantity;
+  std::size_t index;
+  const char* object;
+};
+
+void expect_components(std::initializer_list<NamedComponent> all) {
+  for (const NamedComponent& one : all) {
     const Component found = component_of(one.name);
     EXPECT_EQ(found.quantity, one.quantity) << one.name;
     EXPECT_EQ(found.index, one.index) << one.name;
     EXPECT_EQ(found.object, one.object) << one.name;
   }
+}
+
+TEST(ColumnNames, SayObjectAndComponent) {
+  expect_components({
+      {"HMD_x", Quantity::position, 0, "hmd"},
+      {"HMD_qw", Quantity::quaternion, 0, "hmd"},
+      {"head_rot_z", Quantity::quaternion, 3, "head"},
+      {"leftHand.position.y", Quantity::position, 1, "left hand"},
+      {"leftHand.rotation.eulerAngles.y", Quantity::angle, 1, "left hand"},
+      {"Head Rotation W", Quantity::quaternion, 0, "head"},
+      {"ctrl_r_x", Quantity::position, 0, "ctrl r"},
+      {"wand_yaw", Quantity::angle, 1, "wand"},
+      {"hmd_m23", Quantity::matrix, 23, "hmd"},
+      {"hmd_pose_r11", Quantity::matrix, 11, "hmd"},
+      {"head_x_m", Quantity::position, 0, "head"},
+      {"head_x_mm", Quantity::position, 0, "head"},
+      {"right_trigger", Quantity::trigger, 0, "right"},
+      {"right_trigger_value", Quantity::trigger, 0, "right"},
+      {"qx", Quantity::quaternion, 1, ""},
+      {"head_pos_w", Quantity::none, 0, ""},
+      {"battery", Quantity::none, 0, ""},
+      {"t", Quantity::none, 0, ""},
+  });
 }
 
 TEST(ColumnNames, SayThePart) {
@@ -282,48 +288,37 @@ TEST(Markers, WithoutAHeaderAreReadCellByCell) {
 }
 
 TEST(ColumnNames, SayAComponentOnlyBehindWordsOfItsKind) {
-  struct Case {
-    const char* name;
-    Quantity quantity;
-    std::size_t index;
-    const char* object;
-  };
-  for (const Case& one : {
-           // A word such as "grip" is a trigger at the end, or before a word of its value.
-           Case{"grip_x", Quantity::position, 0, "grip"},
-           Case{"trigger_touched", Quantity::none, 0, ""},
-           Case{"battery_value", Quantity::none, 0, ""},
-           Case{"value", Quantity::none, 0, ""},
-           Case{"left_grip_axis", Quantity::trigger, 0, "left"},
-           // Of an angle the word before, and what says nothing, are no object.
-           Case{"head_rot_yaw_deg", Quantity::angle, 1, "head"},
-           Case{"head_local_rot_pitch", Quantity::angle, 0, "head local"},
-           Case{"head_angles_roll", Quantity::angle, 2, "head"},
-           Case{"pitch", Quantity::angle, 0, ""},
-           // A matrix has two digits from 0 to 3.
-           Case{"head_m00", Quantity::matrix, 0, "head"},
-           Case{"head_m33", Quantity::matrix, 33, "head"},
-           Case{"head_m34", Quantity::none, 0, ""},
-           Case{"head_m0", Quantity::none, 0, ""},
-           Case{"head_m111", Quantity::none, 0, ""},
-           Case{"head_t00", Quantity::none, 0, ""},
-           Case{"00", Quantity::none, 0, ""},
-           Case{"head_rotation_rx", Quantity::quaternion, 1, "head rotation"},
-           // Of a rotation two words may say what it is, of a position one.
-           Case{"head_rot_q_x", Quantity::quaternion, 1, "head"},
-           Case{"head_rotation_euler_y", Quantity::angle, 1, "head"},
-           Case{"head_t_pos_x", Quantity::position, 0, "head t"},
-           Case{"p_position_x", Quantity::position, 0, "p"},
-           Case{"rot_x", Quantity::quaternion, 1, ""},
-           Case{"x", Quantity::position, 0, ""},
-           Case{"w", Quantity::quaternion, 0, ""},
-           Case{"deg", Quantity::none, 0, ""},
-       }) {
-    const Component found = component_of(one.name);
-    EXPECT_EQ(found.quantity, one.quantity) << one.name;
-    EXPECT_EQ(found.index, one.index) << one.name;
-    EXPECT_EQ(found.object, one.object) << one.name;
-  }
+  expect_components({
+      // A word such as "grip" is a trigger at the end, or before a word of its value.
+      {"grip_x", Quantity::position, 0, "grip"},
+      {"trigger_touched", Quantity::none, 0, ""},
+      {"battery_value", Quantity::none, 0, ""},
+      {"value", Quantity::none, 0, ""},
+      {"left_grip_axis", Quantity::trigger, 0, "left"},
+      // Of an angle the word before, and what says nothing, are no object.
+      {"head_rot_yaw_deg", Quantity::angle, 1, "head"},
+      {"head_local_rot_pitch", Quantity::angle, 0, "head local"},
+      {"head_angles_roll", Quantity::angle, 2, "head"},
+      {"pitch", Quantity::angle, 0, ""},
+      // A matrix has two digits from 0 to 3.
+      {"head_m00", Quantity::matrix, 0, "head"},
+      {"head_m33", Quantity::matrix, 33, "head"},
+      {"head_m34", Quantity::none, 0, ""},
+      {"head_m0", Quantity::none, 0, ""},
+      {"head_m111", Quantity::none, 0, ""},
+      {"head_t00", Quantity::none, 0, ""},
+      {"00", Quantity::none, 0, ""},
+      {"head_rotation_rx", Quantity::quaternion, 1, "head rotation"},
+      // Of a rotation two words may say what it is, of a position one.
+      {"head_rot_q_x", Quantity::quaternion, 1, "head"},
+      {"head_rotation_euler_y", Quantity::angle, 1, "head"},
+      {"head_t_pos_x", Quantity::position, 0, "head t"},
+      {"p_position_x", Quantity::position, 0, "p"},
+      {"rot_x", Quantity::quaternion, 1, ""},
+      {"x", Quantity::position, 0, ""},
+      {"w", Quantity::quaternion, 0, ""},
+      {"deg", Quantity::none, 0, ""},
+  });
 }
 
 TEST(ColumnNames, EndWhereTheirTextEnds) {
