@@ -125,6 +125,7 @@ class Queue {
         limit_(world.parameters.impacts) {
     w.coming.clear();
     w.halted.clear();
+    w.strays.clear();
     flight_.touches.assign(touches.all.size(), {});
     for (std::uint32_t k = 0; k < touches.all.size(); ++k) set_due(k, touches.due[k]);
   }
@@ -224,24 +225,44 @@ class Queue {
     seek(i);
   }
 
-  /// Searches for more bodies that a body may meet, if an impact made it faster than the search for
-  /// pairs assumed; always where bodies that were apart have no touch.
+  /// Searches for more bodies that a body may meet on its new path: those that it did not approach before have
+  /// no touch. Older rules search only if it is faster than the search for pairs assumed.
   void seek(BodyId i) {
-    const State& state = world_.states[i];
     const Flyer& flyer = flight_.bodies[i];
-    const Vec3 moved = state.X_WB.p - flight_.struck[flyer.place_struck].second.X_WB.p;
-    const double far = (step_seconds(world_) - flyer.clock) * flyer.top_speed;
-    if (moved.norm() + far <= flyer.sought && !looks_ahead(world_.parameters)) return;
+    const Vec3 moved = world_.states[i].X_WB.p - flight_.struck[flyer.place_struck].second.X_WB.p;
+    const bool was_sought = moved.norm() + way_left(i) <= flyer.sought;
+    const bool seeks_all = seeks_after_each_turn(world_.parameters);
+    if (was_sought && !seeks_all && !looks_ahead(world_.parameters)) return;
     const Roll& roll = world_.roll;
     for (const BodyId wall : roll.unbounded) meet_late(key_of(false, i, wall), i, wall);
-    Capsule bounds_W = state.X_WB * world_.bodies[i].shape->bounds;
-    bounds_W.radius += far + flight_.fall;
+    const Capsule bounds_W = bounds_left(i);
     w_.broad_phase.find_near(bounds_W, w_.near);
     for (const std::uint32_t n : w_.near) {
-      const BodyId j = roll.bounded[n];
-      if (j == i || distance(bounds_W, roll.bounds_W[n]) > 0.0) continue;
-      meet_late(key_of(true, std::min(i, j), std::max(i, j)), std::min(i, j), std::max(i, j));
+      if (distance(bounds_W, roll.bounds_W[n]) <= 0.0) meet_late(i, roll.bounded[n]);
     }
+    if (!seeks_all) return;
+    for (const BodyId j : w_.strays) {
+      if (distance(bounds_W, bounds_left(j)) <= 0.0) meet_late(i, j);
+    }
+    if (!was_sought && std::ranges::find(w_.strays, i) == w_.strays.end()) w_.strays.push_back(i);
+  }
+
+  /// How far a body can still go within the step on its present path, without gravity [m].
+  double way_left(BodyId i) const {
+    const Flyer& flyer = flight_.bodies[i];
+    return (step_seconds(world_) - flyer.clock) * flyer.top_speed;
+  }
+
+  /// Bounds of a body on the rest of its path.
+  Capsule bounds_left(BodyId i) const {
+    Capsule bounds_W = world_.states[i].X_WB * world_.bodies[i].shape->bounds;
+    bounds_W.radius += way_left(i) + flight_.fall;
+    return bounds_W;
+  }
+
+  void meet_late(BodyId i, BodyId j) {
+    const auto [a, b] = std::minmax(i, j);
+    if (a != b) meet_late(key_of(true, a, b), a, b);
   }
 
   /// Adds the touch of a pair that had none at the start of the step, if the pair may meet now; or the

@@ -47,7 +47,8 @@ std::size_t look_ahead(const World& world, const Flight& flight, std::uint32_t c
 bool lands_later(const World& world, const Flight& flight, const Touch& touch,
                  const ContactPoint& p);
 
-/// Time for which the points of a touch are valid: until its bodies have turned far [s].
-double trusted_for(const World& world, const Touch& touch);
+/// Time for which the points of a touch are valid: until its bodies have turned far, or may have passed through
+/// each other unseen [s].
+double trusted_for(const World& world, const Flight& flight, const Touch& touch);
 
 }  // namespace headpin::engine::detail

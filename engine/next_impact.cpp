@@ -21,7 +21,7 @@ bool rests(const World& world, const Touches& touches, const Touch& touch) {
 /// of the step, because it may meet with points that are not contact points yet.
 std::optional<Meeting> seen_early(const World& world, const Flight& flight, Touches& touches,
                                   Touch& touch) {
-  const double trusted = trusted_for(world, touch);
+  const double trusted = trusted_for(world, flight, touch);
   const double threshold = threshold_of(world, flight, touches, touch);
   const bool to_the_end = (trusted < kNever && follows_far_turns(world.parameters)) ||
                           shows_only_overlap(world, touch.a, touch.b);

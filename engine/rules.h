@@ -120,6 +120,19 @@ inline bool rests_under_gravity(const Parameters& p) {
   return p.rules >= 14;
 }
 
+// Since rules 15: what turns back within a step, and what only grazes.
+
+/// After each of its impacts a body is searched for all bodies on its new path, also where it is no faster, and
+/// also for those that an impact made faster.
+inline bool seeks_after_each_turn(const Parameters& p) {
+  return p.rules >= 15;
+}
+
+/// Under the paper's detection, bodies that overlap in the middle of a step alone meet there.
+inline bool looks_often(const Parameters& p) {
+  return p.rules >= 15;
+}
+
 /// The query with what older rules lack switched off.
 inline Query query_under(const Parameters& p) {
   Query query = p.query;

@@ -8,13 +8,16 @@ namespace headpin::engine::detail {
 /// Gap at which resting bodies still have contact points [m].
 inline constexpr double kMargin = 1e-3;
 
-/// Largest gap at which two bodies can still meet within the step at their present velocities [m].
-/// The next step includes the effect of an impact within this step.
-inline double reach(const World& world, const Flight& flight, BodyId a, BodyId b) {
+/// Bound on the speed at which points of two bodies approach each other at the present velocities [m/s].
+inline double fastest_approach(const World& world, const Flight& flight, BodyId a, BodyId b) {
   const double drift = (world.states[a].v_WB - world.states[b].v_WB).norm();
-  return kMargin +
-         (drift + flight.bodies[a].spin_speed + flight.bodies[b].spin_speed) * step_seconds(world) +
-         flight.fall;
+  return drift + flight.bodies[a].spin_speed + flight.bodies[b].spin_speed;
+}
+
+/// Largest gap at which two bodies can still meet within the step at their present velocities [m].
+/// Where an impact turns one of them, more bodies are searched for.
+inline double reach(const World& world, const Flight& flight, BodyId a, BodyId b) {
+  return kMargin + fastest_approach(world, flight, a, b) * step_seconds(world) + flight.fall;
 }
 
 /// Appends the contact points of the candidate's bodies at these poses, with their kept normals.

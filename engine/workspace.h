@@ -301,6 +301,7 @@ struct Workspace {
   std::vector<std::uint32_t> near;   ///< bounded bodies near a body that an impact made faster
   std::vector<std::pair<double, std::uint32_t>> coming;  ///< impacts by time, and their touches
   std::vector<BodyId> halted;                            ///< bodies at the limit of impacts
+  std::vector<BodyId> strays;          ///< bodies that left the bounds of the search for pairs
   std::vector<std::uint32_t> met_now;  ///< touches with a load whose bodies had not met before
   std::vector<detail::Nudge> nudges;   ///< of bodies
   std::vector<BodyId> nudged, pinned;  ///< pushed apart; held by a driven body, far in

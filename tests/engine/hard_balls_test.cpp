@@ -115,7 +115,7 @@ class HardBalls {
 /// A box with balls, and the same for the engine.
 struct BoxOfBalls {
   struct Options {
-    bool gravity = false, spins = false, others = false;
+    bool gravity = false, spins = false, others = false, paper = false;
     int rate_hz = 20;
   };
 
@@ -123,6 +123,7 @@ struct BoxOfBalls {
     Parameters p{.rate_hz = options.rate_hz, .gravity_W = Vec3::Zero()};
     if (options.gravity) p.gravity_W = hard.g = Vec3(0.0, 0.3, -0.4);
     p.impact_speed = 0.0;
+    if (options.paper) p.query.mode = Query::paper;
     p.keep_ledger = true;
     world = make_world(p);
     for (int axis = 0; axis < 3; ++axis) {
@@ -250,11 +251,15 @@ std::size_t compare_boxes(const BoxOfBalls::Options& options, int boxes, double 
 }
 
 TEST(HardBalls, MeetInTheOrderAndWithTheImpulsesOfAPlainSimulation) {
-  EXPECT_GT(compare_boxes({}, 40, 1e-3), 150u);
+  EXPECT_GT(compare_boxes({}, 300, 2e-3), 1200u);
 }
 
 TEST(HardBalls, MeetLikewiseFixedAndDrivenOnesAndSleepers) {
-  EXPECT_GT(compare_boxes({.others = true}, 40, 1e-3), 150u);
+  EXPECT_GT(compare_boxes({.others = true}, 1000, 3e-3), 5000u);
+}
+
+TEST(HardBalls, MeetLikewiseUnderThePapersDetection) {
+  EXPECT_GT(compare_boxes({.paper = true}, 50, 1e-2), 200u);
 }
 
 TEST(HardBalls, MeetLikewiseThoughTheyTurnFast) {

@@ -125,6 +125,7 @@ std::uint64_t hash_of(const SavedBytes& bytes) {
 // Older programs have saved worlds with these bytes: another layout needs another version.
 TEST(SavedBytes, AreThoseOfVersions2And3) {
   World world = with_a_past(bodies_by_hand());
+  world.parameters.rules = 14;
   const SavedBytes bytes = save(world);
   EXPECT_EQ(std::string(bytes.begin(), bytes.begin() + 7), "HPWORLD");
   EXPECT_EQ(bytes[7], 3);

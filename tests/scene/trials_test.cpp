@@ -106,6 +106,15 @@ double deepest_overlap(const std::string& path, std::int64_t rules) {
   return deepest;
 }
 
+// Made in November 2026, under rules 14: skittles that graze each other within a step are 12 mm in each other after the
+// next, at 120 Hz and with the paper's detection.
+TEST(ATrialOfRules14, ComesToTheHashesOfItsTimeAndItsBodiesMeetWhereTheyGrazeUnderRules15) {
+  const std::string path = HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-14.lcmlog";
+  EXPECT_EQ(replayed(path), (Hashes{"d34f3c12458b36b4", "e096d3e5c40abfd8"}));
+  EXPECT_GT(deepest_overlap(path, 14), 0.01);
+  EXPECT_LT(deepest_overlap(path, 15), 0.002);
+}
+
 // Made in November 2026, under rules 13: a ball of 25 mm turns by a radian in each step at 120 Hz, and slides, under the
 // response coulomb with friction 0.09.
 TEST(ATrialOfRules13, ComesToTheHashesOfItsTimeAndItsBallIsBrakedUnderRules14) {
