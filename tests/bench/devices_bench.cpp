@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/output_file.h"
+#include "devices/base/sources.h"
 #include "devices/fastrak/driver.h"
 #include "devices/fastrak/serving.h"
 #include "devices/log/event_log.h"
