@@ -185,6 +185,7 @@ void FastrakDriver::start_stream(Time now) {
   sequence_before_ = next_sequence_;
   clock_.emplace(stations, byte_time(), fastrak_record_length(formats_[0]), clocks_, cycles_);
   in_step_ = true;
+  records_.clear();  // of the stream before, whose clock is gone
   last_record_ = now;
   enter(Phase::streaming, now);
 }

@@ -396,6 +396,28 @@ TEST(FastrakDriverLineTest, OutOfStepARecordWithAnotherBehindItGoesBeforeOneThat
   EXPECT_EQ(bench.driver.statistics().skipped_bytes - skipped, 29);
 }
 
+// A line that hung up in the first quarter of a second: the records of then began the count of the next
+// stream, in which all until its first record were missed.
+TEST(FastrakDriverLineTest, RecordsThatWaitedForTheirTimeAreNotOfTheNextStream) {
+  Watch watch;
+  Bench bench(unit("noise=0"), {}, watched(watch));
+  ASSERT_TRUE(bench.run_until_streaming());
+  bench.run(150ms);
+  ASSERT_GT(bench.sent.size(), 10u);
+  ASSERT_THAT(bench.samples, IsEmpty());
+  watch.trouble = "it is gone";
+  bench.run(5ms);
+  watch.trouble = "";
+  bench.run(1ms);
+  ASSERT_FALSE(bench.driver.streaming());
+  const Time back = bench.now;
+  ASSERT_TRUE(bench.run_until_streaming());
+  bench.run(1s);
+  ASSERT_GT(bench.samples.size(), 60u);
+  EXPECT_GT(tracker(bench.samples.front()).host_time, back);
+  EXPECT_EQ(bench.driver.statistics().missed, 0);
+}
+
 TEST(FastrakDriverLineTest, APollTakesSixtyFourKilobytesOfAnEndlessLine) {
   Alone alone;
   alone.watch.comes.assign(100'000, '?');
