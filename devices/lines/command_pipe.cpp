@@ -34,11 +34,12 @@ CommandPipe::CommandPipe(const std::string& path) {
     if (fd_ >= 0) ::close(fd_);
     throw std::runtime_error(path + ": exists and is not a named pipe");
   }
+  ours_ = true;
 }
 
 CommandPipe::~CommandPipe() {
   if (!made_.empty()) base::remove_pipe(made_, fd_);
-  if (fd_ > STDIN_FILENO) ::close(fd_);
+  if (ours_) ::close(fd_);
 }
 
 std::vector<std::string> CommandPipe::lines() {

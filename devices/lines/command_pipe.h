@@ -32,6 +32,7 @@ class CommandPipe {
 
  private:
   int fd_ = -1;
+  bool ours_ = false;  ///< fd_: to be closed, which standard input is not
   std::string made_, text_;
   bool skips_ = false;  ///< the rest of a line that is too long
   std::int64_t ignored_ = 0;

@@ -126,10 +126,13 @@ TEST(CommandPipeTest, WorksInAProgramWithoutStandardInput) {
   const OtherInput none;
   EXPECT_THROW(CommandPipe refused(file.string()), std::runtime_error);
   EXPECT_FALSE(has_input());
-  CommandPipe pipe(path.string());
-  EXPECT_EQ(pipe.descriptor(), STDIN_FILENO);
-  write_to(path, "press\n");
-  EXPECT_EQ(pipe.lines().size(), 1u);
+  {
+    CommandPipe pipe(path.string());
+    EXPECT_EQ(pipe.descriptor(), STDIN_FILENO);
+    write_to(path, "press\n");
+    EXPECT_EQ(pipe.lines().size(), 1u);
+  }
+  EXPECT_FALSE(has_input());
 }
 
 TEST(CommandPipeTest, NeitherWaitsNorGoesToOtherPrograms) {
