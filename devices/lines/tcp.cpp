@@ -101,6 +101,13 @@ bool has_left(int fd) {
          info.tcpi_last_ack_recv > kLong && info.tcpi_probes + info.tcpi_retransmits > 0;
 }
 
+/// Whether the peer of a socket sends no more, and something that it sent was not read yet.
+bool has_last_words(int fd) {
+  pollfd state{fd, POLLRDHUP, 0};
+  char byte = 0;
+  return ::poll(&state, 1, 0) == 1 && ::recv(fd, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 1;
+}
+
 /// Connects a socket that does not block; sets errno when that fails.
 bool connected(int fd, const addrinfo& to, std::chrono::milliseconds patience) {
   if (::connect(fd, to.ai_addr, to.ai_addrlen) == 0) return true;
@@ -189,6 +196,7 @@ void TcpServer::hang_up() {
 }
 
 void TcpServer::accept_newcomer() {
+  if (client_ >= 0 && has_last_words(client_)) return;  // a newcomer waits until they are read
   const int newcomer = accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
   if (newcomer < 0) return;
   if (client_ >= 0 && !has_left(client_)) {

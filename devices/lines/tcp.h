@@ -25,7 +25,7 @@ std::unique_ptr<ByteStream> connect_tcp(
 ///
 /// Bytes that are written while no client is connected are lost. A client that has shut its sending
 /// half, as `printf S | nc -N` does, still gets its answers: it is hung up when nothing was written
-/// for 4 s, or when a newcomer takes its place.
+/// for 4 s, or when a newcomer takes its place, who waits until all that it sent is read.
 class TcpServer : public ByteStream {
  public:
   /// @param port     0 for any free one

@@ -222,6 +222,22 @@ TEST(TcpServerTest, AClientWhoseMachineHasNotAnsweredForTenSecondsGivesWay) {
   EXPECT_TRUE(gives_the_line_to_a_newcomer(*both.server));
 }
 
+// Two `printf P | nc -N` at a time: the second hung up the first one, whose bytes nobody had read.
+TEST(TcpServerTest, WhatAClientSentAsItsLastIsReadBeforeANewcomerTakesItsPlace) {
+  Connected both;
+  say(*both.client, "P");
+  ASSERT_EQ(::shutdown(both.client->descriptor(), SHUT_WR), 0);
+  pollfd end{both.server->descriptor(), POLLRDHUP, 0};
+  ASSERT_EQ(::poll(&end, 1, 10'000), 1);
+  const auto newcomer = connect_tcp("127.0.0.1", both.server->port());
+  say(*newcomer, "S");
+  EXPECT_FALSE(both.server->renewed());
+  EXPECT_EQ(say(*both.server, "record"), 6u);
+  EXPECT_EQ(hear(*both.client, 6), "record");
+  EXPECT_EQ(hear(*both.server, 2), "PS");
+  EXPECT_TRUE(both.server->renewed());
+}
+
 TEST(TcpClientTest, WorksInAProgramWithoutStandardInput) {
   TcpServer server(0);
   const OtherInput none;
