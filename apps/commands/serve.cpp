@@ -1,4 +1,3 @@
-#include <array>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -8,10 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
-#include <ifaddrs.h>
-#include <netinet/in.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
@@ -19,6 +15,7 @@
 #include "apps/options.h"
 #include "apps/page_file.h"
 #include "apps/serve/certificate.h"
+#include "apps/serve/networks.h"
 #include "apps/serve/places.h"
 #include "apps/serve/play_server.h"
 #include "apps/stop.h"
@@ -72,35 +69,6 @@ Offered offered(const ServeOptions& options) {
   out.pages.watched = scenario;
   out.next = places_of(scenario, *options.output);
   return out;
-}
-
-/// An address that other machines of a network can reach; empty for those of this machine or link.
-std::string networked(const sockaddr& address) {
-  std::array<char, INET6_ADDRSTRLEN> text{};
-  if (address.sa_family == AF_INET) {
-    const in_addr& v4 = reinterpret_cast<const sockaddr_in&>(address).sin_addr;
-    inet_ntop(AF_INET, &v4, text.data(), text.size());
-  } else {
-    const in6_addr& v6 = reinterpret_cast<const sockaddr_in6&>(address).sin6_addr;
-    if (IN6_IS_ADDR_LINKLOCAL(&v6)) return "";
-    inet_ntop(AF_INET6, &v6, text.data(), text.size());
-  }
-  return is_loopback(text.data()) ? "" : text.data();
-}
-
-/// The address that other machines know: of 0.0.0.0 and :: the first of a network.
-std::string reachable(const std::string& bound) {
-  const bool all_v4 = bound == "0.0.0.0", all_v6 = bound == "::";
-  ifaddrs* all = nullptr;
-  if ((!all_v4 && !all_v6) || getifaddrs(&all) != 0) return bound;
-  std::string found;
-  for (const ifaddrs* one = all; one != nullptr && found.empty(); one = one->ifa_next) {
-    if (one->ifa_addr == nullptr) continue;
-    if (one->ifa_addr->sa_family == (all_v4 ? AF_INET : AF_INET6))
-      found = networked(*one->ifa_addr);
-  }
-  freeifaddrs(all);
-  return found.empty() ? bound : found;
 }
 
 std::string in_url(const std::string& address) {

@@ -58,7 +58,4 @@ class WebServer {
   std::unique_ptr<Daemon> daemon_;
 };
 
-/// Whether only this machine reaches the address.
-bool is_loopback(const std::string& address);
-
 }  // namespace headpin::apps
