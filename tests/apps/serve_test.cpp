@@ -1,5 +1,7 @@
 #include <array>
+#include <chrono>
 #include <fstream>
+#include <iterator>
 #include <list>
 #include <thread>
 
@@ -430,6 +432,35 @@ TEST_F(Serve, AGuestIsToldWhereAnswersCannotBeStored) {
   EXPECT_EQ(post(links_[0], "answers", answers.dump()).status, 200);
   EXPECT_EQ(stop(), 0);
   EXPECT_THAT(slurp(folder_ / "said.txt"), HasSubstr("p001.csv"));
+}
+
+// 500 are served at once; who comes then waits until some have gone.
+TEST_F(Serve, SilentConnectionsKeepNobodyOutAndLeaveNothingOpen) {
+  start("paper-room -o games");
+  post(links_[0], "begin");
+  EXPECT_EQ(post(links_[0], "log?at=0", "a").status, 200);
+  const fs::path open = fmt::format("/proc/{}/fd", process_);
+  const auto count = [&] { return std::distance(fs::directory_iterator(open), {}); };
+  const auto before = count();
+  std::size_t size = 1;
+  for (const int many : {300, 560}) {
+    std::list<Connection> silent;
+    for (int i = 0; i < many; ++i) silent.emplace_back(port_);
+    if (many < 500) {
+      EXPECT_EQ(post(links_[0], fmt::format("log?at={}", size++), "b").status, 200);
+      EXPECT_GT(count(), before + 200);  // it was the last to come
+    }
+    EXPECT_LE(count(), before + 501);  // one may be about to be refused
+    silent.clear();
+    const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (count() > before) {
+      ASSERT_LT(std::chrono::steady_clock::now(), patience) << count() << " are open";
+      std::this_thread::yield();
+    }
+    EXPECT_EQ(post(links_[0], fmt::format("log?at={}", size++), "c").status, 200);
+  }
+  EXPECT_EQ(slurp(folder_ / "games/guest-01.lcmlog"), "abcc");
+  EXPECT_EQ(stop(), 0);
 }
 
 }  // namespace
