@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <charconv>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -87,13 +88,21 @@ double real_in(const std::string& text) {
   return number;
 }
 
+/// Samples a second; nothing for a text that is none.
+std::optional<double> rate_in(const std::string& text) {
+  double rate = 0.0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), rate);
+  if (read.ec != std::errc{} || !std::isfinite(rate) || rate < 0.0) return std::nullopt;
+  return rate;
+}
+
 XdfStream stream_of(std::uint32_t id, const XmlElement& info) {
   XdfStream stream;
   stream.id = id;
   stream.name = info.text_at({"name"});
   stream.type = info.text_at({"type"});
   stream.format = info.text_at({"channel_format"});
-  stream.rate_hz = real_in(info.text_at({"nominal_srate"}));
+  stream.rate_hz = rate_in(info.text_at({"nominal_srate"})).value_or(0.0);
   const double count = real_in(info.text_at({"channel_count"}));
   if (!(count >= 1.0 && count <= kMostChannels)) {
     throw BadChunk(fmt::format("expected 1 to {} channels, found '{}'", kMostChannels,
@@ -212,7 +221,12 @@ class XdfReader {
     const auto id = static_cast<std::uint32_t>(in.number(4));
     if (places_.contains(id)) throw BadChunk(fmt::format("stream {} has begun before", id));
     if (places_.size() == kMostStreams) throw BadChunk("too many streams");
-    file_.streams.push_back(stream_of(id, xml_of(in)));
+    const XmlElement info = xml_of(in);
+    file_.streams.push_back(stream_of(id, info));
+    if (const std::string rate = info.text_at({"nominal_srate"}); !rate.empty() && !rate_in(rate)) {
+      note(fmt::format("stream '{}': expected a nominal_srate of 0 or more, found '{}': taken as 0",
+                       file_.streams.back().name.substr(0, 40), rate.substr(0, 20)));
+    }
     file_.streams.back().kept = wanted_(file_.streams.back());
     places_[id] = {file_.streams.size() - 1, 0.0};
   }

@@ -177,5 +177,42 @@ TEST(XdfFile, ABoundaryThatStandsWhereAChunkShouldBeginIsFound) {
   EXPECT_THAT(file.notes, ElementsAre(HasSubstr("are damaged")));
 }
 
+// It was taken as 0 without a word. Times that are left out follow from it.
+TEST(XdfFile, ARateThatIsNoneIsTold) {
+  const auto with_rate = [](const std::string& rate) {
+    const std::string info = "<info><name>s</name><channel_count>1</channel_count><nominal_srate>" +
+                             rate + "</nominal_srate><channel_format>int8</channel_format></info>";
+    return read_all_streams(xdf::begin() + xdf::chunk(2, xdf::bytes(std::uint32_t{1}) + info) +
+                            small_number(2.0) + xdf::samples(1, 1, xdf::sample("\x06")) +
+                            xdf::footer(1));
+  };
+  for (const std::string none : {"fast", "nan", "-nan", "inf", "-100", "1e400"}) {
+    const XdfFile file = with_rate(none);
+    EXPECT_THAT(file.streams.at(0).times, ElementsAre(2.0, 2.0)) << none;
+    EXPECT_THAT(file.notes,
+                ElementsAre(HasSubstr("stream 's': expected a nominal_srate of 0 or more, found")))
+        << none;
+  }
+  for (const std::string rate : {"4", " 4.0\n", "4.0 Hz"}) {
+    const XdfFile file = with_rate(rate);
+    EXPECT_THAT(file.streams.at(0).times, ElementsAre(2.0, 2.25)) << rate;
+    EXPECT_THAT(file.notes, IsEmpty()) << rate;
+  }
+  EXPECT_THAT(with_rate("0").notes, IsEmpty());
+  EXPECT_THAT(with_rate("").notes, IsEmpty());
+}
+
+TEST(XdfFile, WhatAFooterSaysIsNotUsed) {
+  for (const std::string says :
+       {"<info><first_timestamp>x</first_timestamp><last_timestamp>nan</last_timestamp>"
+        "<sample_count>-1</sample_count></info>",
+        "<info", "\xff\xfe", ""}) {
+    const XdfFile file = read_all_streams(of_small_numbers() + small_number(2.0) +
+                                          xdf::chunk(6, xdf::bytes(std::uint32_t{1}) + says));
+    EXPECT_THAT(file.streams.at(0).times, ElementsAre(2.0));
+    EXPECT_THAT(file.notes, IsEmpty());
+  }
+}
+
 }  // namespace
 }  // namespace headpin::devices
