@@ -68,8 +68,19 @@ class OrdinarySteps {
     for (std::size_t i = 1; i < rows; ++i) {
       if (times_s_[i] >= times_s_[i - 1]) ahead.push_back(times_s_[i] - times_s_[i - 1]);
     }
-    if (rows < kRows || 10 * (rows - 1 - ahead.size()) > rows) return kLongest_s;
+    const std::size_t back = rows - 1 - ahead.size();
+    if (rows < kRows ? back > 0 || !are_whole(ahead) : 10 * back > rows) return kLongest_s;
     return std::max(kLongest_s, kMost * lower_quartile(ahead));
+  }
+
+  /// Whether a few rows may be a slow recording of their own: their steps are even, and the twenty rows below them
+  /// are in order. Rows in turns begin again sooner.
+  bool are_whole(const std::vector<double>& steps) const {
+    constexpr std::size_t kFewest = 6;
+    const std::size_t rows = steps.size() + 1;
+    if (rows < kFewest || times_s_.size() < rows + kRows) return false;
+    return std::ranges::is_sorted(times_s_.subspan(rows, kRows)) &&
+           std::ranges::max(steps) <= kMost * lower_quartile(steps);
   }
 
   /// The lower quartile of the last twenty steps, as many others may lack a row; 0 where it is too long.

@@ -252,5 +252,36 @@ TEST(StrayRow, IsWhereOneRowIsMissing) {
   EXPECT_TRUE(is_stray_at(9.0, {-0.1, 0.0}, {0.19, 0.29}));
 }
 
+// Fewer than twenty rows were always merged with those of a second recording.
+TEST(TableOrder, OfAFewEvenRowsIsSaidByTwentyInOrderBelow) {
+  for (const double step_s : {0.12, 0.2, 1.0}) {
+    for (const std::size_t rows : {9u, 12u, 19u}) {
+      const std::vector<double> first = at_rate(0.0, rows, step_s);
+      const auto again = [&](const std::vector<double>& second) {
+        return starts_again(then(first, second));
+      };
+      EXPECT_EQ(again(at_rate(0.3 * step_s, 20, step_s)), Row(rows)) << step_s;
+      EXPECT_EQ(again(at_rate(0.3 * step_s, 40, step_s)), Row(rows)) << step_s;
+      EXPECT_EQ(again(at_rate(0.0, 300, 0.02)), Row(rows)) << step_s;
+      EXPECT_EQ(again(at_rate(0.3 * step_s, 19, step_s)), Row()) << step_s;
+      EXPECT_EQ(again(at_rate(-40.0 * step_s, 40, step_s)), Row()) << step_s;  // earlier rows
+      std::vector<double> disorder = at_rate(0.3 * step_s, 40, step_s);
+      std::swap(disorder[17], disorder[18]);
+      EXPECT_EQ(again(disorder), Row()) << step_s;
+    }
+  }
+  const auto then_second = [](const std::vector<double>& first) {
+    return starts_again(then(first, at_rate(0.06, 40, 0.2)));
+  };
+  EXPECT_EQ(then_second(at_rate(0.0, 6, 0.2)), Row(6u));
+  EXPECT_EQ(then_second(at_rate(0.0, 5, 0.2)), Row());  // too few
+  EXPECT_EQ(then_second({0.0, 0.2, 0.4, 0.69, 0.89, 1.09, 1.29}), Row(7u));
+  EXPECT_EQ(then_second({0.0, 0.2, 0.4, 0.71, 0.91, 1.11, 1.31}), Row());  // with a gap
+  // Rows of nineteen blocks in turns are as even.
+  std::vector<double> turns;
+  for (int i = 0; i < 19 * 40; ++i) turns.push_back(i % 19 + 0.02 * (i / 19));
+  EXPECT_EQ(starts_again(turns), Row());
+}
+
 }  // namespace
 }  // namespace headpin::devices
