@@ -87,6 +87,15 @@ class Told {
                       "expected all of qw, qx, qy, qz, or of rx, ry, rz, or m00 to m22");
   }
 
+  /// Whether a component of a part's place or rotation was told.
+  bool places_or_turns(std::size_t part) const {
+    const auto told = objects_.find(part);
+    return turns_.contains(part) ||
+           (told != objects_.end() &&
+            std::ranges::any_of(told->second.columns.position,
+                                [](const auto& column) { return column.has_value(); }));
+  }
+
   /// The told trigger of a part: its own, else that of both hands.
   std::optional<std::size_t> trigger(std::size_t part) const {
     const auto told = objects_.find(part);
@@ -257,10 +266,11 @@ std::vector<std::string> words_in(const AnyTable& table, std::size_t column) {
 
 /// A table with a row for each object: finds the column of its name, and the names of the parts.
 void find_objects(const AnyTable& table, const Objects& objects, bool only_hand_is_left,
-                  MotionColumns& columns) {
+                  const Told& said, MotionColumns& columns) {
   const auto placed = [](const auto& object) { return whole(object.second.columns.position); };
   if (table.of_streams) return;
   if (std::ranges::count_if(objects, placed) != 1) return;
+  const Object& of_rows = std::ranges::find_if(objects, placed)->second;
   const std::optional<std::size_t> told = columns.object;
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
     if (told && *told != c) continue;
@@ -277,8 +287,9 @@ void find_objects(const AnyTable& table, const Objects& objects, bool only_hand_
     columns.objects = names;
     columns.parts = {};
     for (std::size_t part = 0; part < 3; ++part) {
-      if (!names[part].empty())
-        columns.parts[part] = std::ranges::find_if(objects, placed)->second.columns;
+      if (names[part].empty()) continue;
+      columns.parts[part] = said.with_told(part, of_rows);
+      columns.told_of_rows[part] = said.places_or_turns(part);
     }
     return;
   }
@@ -345,7 +356,8 @@ ToldColumns mapping_of(const AnyTable& table, const MotionColumns& columns) {
     const auto turns_by = [&](RotationKind kind) {
       return its.rotation == kind || its.rotation == RotationKind::none;
     };
-    if (!columns.object) {  // whose columns are found again
+    // Those of a table with a row for each object are found again.
+    if (!columns.object || columns.told_of_rows[part]) {
       each(its.position, "", "xyz");
       if (turns_by(RotationKind::quaternion)) each(its.quaternion, "q", "wxyz");
       if (turns_by(RotationKind::angles) || its.rotation == RotationKind::vector)
@@ -409,7 +421,7 @@ MotionColumns find_columns(const AnyTable& table, const ToldColumns& told, bool 
       its.trigger = loose_trigger(table, objects, part);
   }
   if (!columns.parts[0].tracked() || columns.object) {
-    find_objects(table, objects, only_hand_is_left, columns);
+    find_objects(table, objects, only_hand_is_left, said, columns);
   }
   for (std::size_t part = 0; part < 3; ++part) {
     if (const auto trigger = said.trigger(part)) columns.parts[part].trigger = trigger;

@@ -59,6 +59,7 @@ struct MotionColumns {
   /// Of a table with a row for each object: the column with the object's name, and the names of the parts.
   std::optional<std::size_t> object;
   std::array<std::string, 3> objects;
+  std::array<bool, 3> told_of_rows = {};  ///< some of the part's columns there were told, not found
   /// What each column of the table is, such as "head, position x"; empty if it is not used.
   std::vector<std::string> meanings;
   std::vector<std::string> missing;  ///< sentences about what a throw needs and was not found

@@ -205,5 +205,45 @@ TEST(ToldRotation, OfAFileOfColumnsIsTheOneThatWasUsed) {
             RotationKind::quaternion);
 }
 
+/// A table with a row for each object.
+AnyTable of_head_and_right(const std::string& text_after_place) {
+  static std::string text;  // cells point into it
+  text = "time,who,x,y,z," + text_after_place + "\n";
+  for (int i = 0; i < 4; ++i) {
+    for (const char* who : {"head", "right"})
+      text += fmt::format("{:.2f},{},1,2,3,1,0,0,0\n", 0.01 * i, who);
+  }
+  return read_any_table(text, "t.csv");
+}
+
+// They were not used, and three of a quaternion were read as angles.
+TEST(ToldRotation, CompletesThatOfATableWithARowForEachObject) {
+  const AnyTable table = of_head_and_right("Q0,qx,qy,qz");
+  const MotionColumns told = find_columns(table, {{"head.qw", "Q0"}}, false, "t.csv");
+  const MotionColumns by_file = find_columns(table, mapping_of(table, told), false, "t.csv");
+  for (const MotionColumns& columns : {told, by_file}) {
+    EXPECT_EQ(columns.object, 1u);
+    EXPECT_EQ(columns.parts[0].rotation, RotationKind::quaternion);
+    EXPECT_THAT(places_at(columns.parts[0].quaternion), ElementsAre(5, 6, 7, 8));
+    EXPECT_EQ(columns.parts[2].rotation, RotationKind::angles);
+    EXPECT_THAT(places_at(columns.parts[2].angles), ElementsAre(6, 7, 8));
+    EXPECT_EQ(columns.meanings[5], "head, quaternion w");
+  }
+  const ToldColumns both = {{"head.qw", "Q0"}, {"right.qw", "Q0"}, {"right.x", "qx"}};
+  const MotionColumns moved = find_columns(table, both, false, "t.csv");
+  EXPECT_EQ(moved.parts[2].rotation, RotationKind::quaternion);
+  EXPECT_EQ(moved.parts[2].position[0], 6u);
+  EXPECT_EQ(moved.parts[0].position[0], 2u);
+}
+
+TEST(ToldRotation, ThatIsNoWholeOneOfATableWithARowForEachObjectIsRefused) {
+  const AnyTable table = of_head_and_right("qw,qx,qy,qz");
+  EXPECT_EQ(complaint([&] {
+              find_columns(table, {{"head.rx", "qx", "--columns"}}, false, "t.csv");
+            }),
+            "--columns: head.rx = 'qx' makes no whole rotation; expected all of qw, qx, qy, qz, or "
+            "of rx, ry, rz, or m00 to m22");
+}
+
 }  // namespace
 }  // namespace headpin::devices
