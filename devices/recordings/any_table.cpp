@@ -311,7 +311,7 @@ class Header {
     if (filled_in(cells) != 1 || cells.front().empty() || columns_ < 4) return false;
     const std::string only = small_letters(cells.front());
     if (only == "segments" || only == "objects") table.kind = "Vicon";
-    if (number_of(only, false)) table.facts.emplace_back("rate", only);
+    if (number_of(only, style_.decimal_comma)) table.facts.emplace_back("rate", only);
     return true;  // a title
   }
 

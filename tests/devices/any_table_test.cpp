@@ -12,6 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "devices/recordings/table_time.h"
 #include "tests/support/folder.h"
 
 namespace headpin::devices {
@@ -380,6 +381,19 @@ TEST(AnyTableStyle, IsOneOfFewNumbersAmongManyEmptyCells) {
   EXPECT_EQ(table.separator, ';');
   EXPECT_TRUE(table.decimal_comma);
   EXPECT_THAT(table.rows, SizeIs(60));
+}
+
+// A rate with a comma was no rate, and the time had no unit.
+TEST(AnyTableFacts, AreNumbersAsTheTableHasThem) {
+  for (const auto& [rate, hz] : {std::pair{"120,5", 120.5}, {"120.5", 120.5}, {"120", 120.0}}) {
+    const AnyTable table = read_any_table(
+        fmt::format("Segments\n{}\nFrame;x;y;z\n", rate) + rows_of(20, ";1,5;2,5;3,5"), "t.csv");
+    EXPECT_EQ(table.number(table.fact("rate")), hz) << rate;
+    std::vector<std::string> notes;
+    EXPECT_DOUBLE_EQ(read_times(table, 0, {}, "t.csv", notes).unit_s, 1.0 / hz) << rate;
+  }
+  const std::string points = "Segments\n120,5\nt;x;y;z\n" + rows_of(20, ";1.5;2.5;3.5");
+  EXPECT_EQ(read_any_table(points, "t.csv").fact("rate"), "");
 }
 
 }  // namespace
