@@ -155,7 +155,7 @@ std::string read_study_file(const fs::path& path) {
   return base::read_text(path.string(), kMost);
 }
 
-Study open_study(const std::string& folder) {
+Study open_study(const std::string& folder, IfNoPlan without) {
   Study study{{folder}, {}, {}, {}};
   if (!fs::exists(study.at.design())) {
     throw std::runtime_error(
@@ -168,6 +168,7 @@ Study open_study(const std::string& folder) {
   };
   study.design = parsed(study.at.design(), study::parse_design);
   study.questions = parsed(study.at.questionnaire(), study::parse_questionnaire);
+  if (without == IfNoPlan::empty && !fs::exists(study.at.plan())) return study;
   study.plan =
       study::parse_plan(read_study_file(study.at.plan()), study.at.plan().string(), study.design);
   return study;

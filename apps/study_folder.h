@@ -36,10 +36,13 @@ struct Study {
 /// A file of a study, bundled or edited; at most 16 MB.
 std::string read_study_file(const std::filesystem::path& path);
 
+/// What a study whose plan.csv is not there is taken for.
+enum class IfNoPlan { refused, empty };
+
 /// Reads design, questionnaire and plan of a study.
 /// @throws std::runtime_error     for a folder without a study
 /// @throws std::invalid_argument  for invalid content, naming file and line
-Study open_study(const std::string& folder);
+Study open_study(const std::string& folder, IfNoPlan without = IfNoPlan::refused);
 
 /// Names of participants of whom the study's folder has recordings or answers, of the plan or not.
 /// @throws std::filesystem::filesystem_error  for a folder that cannot be read

@@ -97,21 +97,28 @@ void check_levels(const study::Design& design, scene::Scenario scenario, const s
   }
 }
 
-/// Makes the folder of a study with its files. design.toml is the last one; it makes the study
-/// complete.
-void begin_study(const StudyFolder& at, const PlanOptions& options) {
+/// The files of a new study, before they are written.
+struct NewStudy {
+  study::Design design;
+  std::string design_text, questions, scenario;
+};
+
+/// Reads what a new study is made from.
+NewStudy new_study(const StudyFolder& at, const PlanOptions& options) {
   const fs::path source = bundled("designs", options.design);
-  std::string text = read_study_file(source);
-  study::Design design = study::parse_design(text, source.string());
+  NewStudy made;
+  std::string& text = made.design_text = read_study_file(source);
+  study::Design& design = made.design = study::parse_design(text, source.string());
   const fs::path asked = questionnaire_of(design, source);
-  const std::string questions = read_study_file(asked);
-  study::check_items(design, study::parse_questionnaire(questions, asked.string()),
+  made.questions = read_study_file(asked);
+  study::check_items(design, study::parse_questionnaire(made.questions, asked.string()),
                      source.string());
   const std::string played = scenario_named_in(design, source);
   const scene::Scenario scenario = scene::parse_scenario(scene::read_scenario_file(played), played);
   check_levels(design, scenario, source.string());
   if (!design.seed) {
-    text = fmt::format("seed = {}  # of the allotment\n", options.seed.value_or(1)) + text;
+    design.seed = options.seed.value_or(1);
+    text = fmt::format("seed = {}  # of the allotment\n", *design.seed) + text;
   } else if (options.seed && options.seed != design.seed) {
     throw UsageError(fmt::format("--seed: {} has the seed {}", source.string(), *design.seed));
   }
@@ -121,15 +128,21 @@ void begin_study(const StudyFolder& at, const PlanOptions& options) {
                            {"design.toml", "questionnaire.toml", "scenario.toml", "plan.csv",
                             "sessions/", "answers/", "tables/", "analysis/", "model.R"},
                            sources);
-  const std::string room = scene::to_toml(scenario);
-  check_target(at.questionnaire(), questions, sources);
-  check_target(at.scenario(), room, sources);
+  made.scenario = scene::to_toml(scenario);
+  check_target(at.questionnaire(), made.questions, sources);
+  check_target(at.scenario(), made.scenario, sources);
+  return made;
+}
+
+/// Makes the folder of a study with its files. design.toml is the last one; it makes the study
+/// complete.
+void begin_study(const StudyFolder& at, const NewStudy& made) {
   fs::create_directories(at.root);
   base::remove_left_parts(at.root.string());
-  write_once(at.questionnaire(), questions);
-  write_once(at.scenario(), room);
+  write_once(at.questionnaire(), made.questions);
+  write_once(at.scenario(), made.scenario);
   check_stop();
-  base::write_text({at.design().string(), {}}, text);
+  base::write_text({at.design().string(), {}}, made.design_text);
 }
 
 void refuse_other_design(const Study& study, const PlanOptions& options) {
@@ -146,21 +159,50 @@ void refuse_other_design(const Study& study, const PlanOptions& options) {
   }
 }
 
-/// Refuses to make a lost plan again without somebody who has played or answered, and says what of the lost
-/// one it cannot have.
+/// Refuses to make a lost plan again without somebody who has played or answered.
 void check_made_again(const Study& study) {
-  if (names_with_data(study.at).empty()) return;
   const std::set<std::string> others = not_in_plan(study);
-  if (others.empty()) {
-    return say(
-        "{}: is made again for the sessions or answers that are there; it does not have what a plan that was lost "
-        "had of replacements and changes by hand\n",
-        study.at.plan().string());
-  }
+  if (others.empty()) return;
   throw std::runtime_error(fmt::format(
       "{}: has no participants, and {} has sessions or answers but would not be in a new plan of {}; "
       "expected a copy of the plan that was lost",
       study.at.plan().string(), study::shown(*others.begin()), study.plan.size()));
+}
+
+/// Says what of a lost plan the one that was made again cannot have.
+void say_made_again(const Study& study) {
+  if (names_with_data(study.at).empty()) return;
+  say("{}: is made again for the sessions or answers that are there; it does not have what a plan that was lost "
+      "had of replacements and changes by hand\n",
+      study.at.plan().string());
+}
+
+/// Adds the participants that the options ask for, in memory.
+void extend_plan(Study& study, const PlanOptions& options) {
+  const std::size_t before = study.plan.size();
+  try {
+    // A plan that was lost is made again, with the names that it had.
+    const std::set<std::string> taken =
+        before > 0 ? names_with_data(study.at) : std::set<std::string>();
+    if (!options.replace.empty()) study::replace(study.plan, options.replace, taken);
+    const auto there = static_cast<int>(study.plan.size() - study::replaced(study.plan).size());
+    const int wanted = before == 0 ? study.design.block() : there;
+    study::extend(study.plan, study.design, study.design.seed.value_or(1),
+                  options.people.value_or(wanted), taken);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(fmt::format("{}: {}", study.at.plan().string(), error.what()));
+  }
+  if (before == 0) check_made_again(study);
+}
+
+void write_plan(const Study& study) {
+  const std::string path = study.at.plan().string();
+  const std::string text =
+      fs::exists(path)
+          ? study::to_csv(study.plan, study.design, study::parse_csv(read_study_file(path), path))
+          : study::to_csv(study.plan, study.design);
+  check_stop();
+  base::write_text({path, {.overwrite = true}}, text);
 }
 
 void print_plan(const Study& study, std::size_t before) {
@@ -185,41 +227,23 @@ void plan_study(const PlanOptions& options) {
         fmt::format("{}: contains plan.csv but no design.toml; expected a new folder or a study",
                     at.root.string()));
   }
-  if (new_one) begin_study(at, options);
+  if (new_one) {
+    const NewStudy made = new_study(at, options);
+    Study planned{at, made.design, {}, {}};
+    extend_plan(planned, options);  // what cannot be planned is refused before anything is written
+    begin_study(at, made);
+  }
   if (options.design_given && !fs::exists(at.plan())) {
     check_not_from(at.design(), {bundled("designs", options.design)});  // not a study's own
   }
   const StudyLock lock(at.design(), "planning this study");
   base::remove_left_parts(at.root.string());
-  if (!fs::exists(at.plan())) {  // a new study, or interrupted before the plan was written
-    const std::string text = read_study_file(at.design());
-    const std::string none = study::to_csv({}, study::parse_design(text, at.design().string()));
-    check_stop();
-    base::write_text({at.plan().string(), {}}, none);
-  }
-  Study study = open_study(at.root.string());
+  Study study = open_study(at.root.string(), IfNoPlan::empty);
   refuse_other_design(study, options);
   const std::size_t before = study.plan.size();
-  try {
-    // A plan that was lost is made again, with the names that it had.
-    const std::set<std::string> taken =
-        before > 0 ? names_with_data(study.at) : std::set<std::string>();
-    if (!options.replace.empty()) study::replace(study.plan, options.replace, taken);
-    const auto there = static_cast<int>(study.plan.size() - study::replaced(study.plan).size());
-    const int wanted = before == 0 ? study.design.block() : there;
-    study::extend(study.plan, study.design, study.design.seed.value_or(1),
-                  options.people.value_or(wanted), taken);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(fmt::format("{}: {}", at.plan().string(), error.what()));
-  }
-  if (before == 0) check_made_again(study);
-  if (study.plan.size() != before) {
-    const study::CsvTable old =
-        study::parse_csv(read_study_file(study.at.plan()), study.at.plan().string());
-    const std::string plan = study::to_csv(study.plan, study.design, old);
-    check_stop();
-    base::write_text({at.plan().string(), {.overwrite = true}}, plan);
-  }
+  extend_plan(study, options);
+  if (before == 0) say_made_again(study);
+  if (study.plan.size() != before) write_plan(study);
   say_not_in_plan(study);
   if (options.json) {
     return print_json({{"output", at.root.string()},

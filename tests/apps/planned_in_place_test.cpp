@@ -1,6 +1,7 @@
 // Studies and sweeps that are planned in the folder of what they are made from.
 
 #include <iterator>
+#include <set>
 
 #include "tests/apps/command_line.h"
 
@@ -107,6 +108,31 @@ TEST_F(PlannedInPlace, AScenarioOrDesignWithTheNameOfAnotherFileOfTheStudyIsRefu
   write_design("questionnaire.toml", "./asked.toml", "./lane.toml");
   fs::remove(folder_ / "mine/my-design.toml");
   expect_refused_as_own("questionnaire.toml", "questionnaire.toml");
+}
+
+// plan.csv was left beside a design whose questionnaire lacks, and a whole study where nobody can be replaced.
+TEST_F(PlannedInPlace, AStudyThatCannotBePlannedIsNotBegun) {
+  write_design("design.toml", "./asked.toml", "./lane.toml");
+  headpin("--version");  // its output is in files of the folder
+  const auto expect_none = [&](const std::string& options, int code, const std::string& says) {
+    const auto entries = [&] {
+      std::set<std::string> names;
+      for (const auto& entry : fs::recursive_directory_iterator(folder_))
+        names.insert(entry.path().string());
+      return names;
+    };
+    const std::set<std::string> before = entries();
+    expect_refusal("experiment plan -o " + options, code, says);
+    EXPECT_EQ(entries(), before) << options;
+  };
+  expect_none("mine", 1, "mine/questionnaire.toml: cannot open");
+  bring("questionnaires/uno-slater-1997.toml", "mine/questionnaire.toml");
+  expect_none("mine --replace p001", 2, "mine/plan.csv: no participant 'p001' in the plan");
+  expect_none("mine --seed 8", 2, "--seed: mine/design.toml has the seed");
+  expect_none("new --replace p001", 2, "new/plan.csv: no participant 'p001' in the plan");
+  bring("trials/demo.lcmlog", "lost/sessions/p030/run-01.lcmlog");
+  expect_none("lost --people 2", 1,
+              "p030 has sessions or answers but would not be in a new plan of 2");
 }
 
 }  // namespace
