@@ -8,7 +8,6 @@
 
 #include "apps/streams.h"
 #include "base/left_parts.h"
-#include "study/csv.h"
 
 namespace headpin::apps {
 
@@ -34,7 +33,7 @@ NextRun::NextRun(const Study& study, const std::string& id, const std::string& c
   if (is_virtual) leave_to_person(runs, id);
   int last = 0;
   for (const Run& run : runs) {
-    last = std::max(last, study::whole_in(run.name.substr(4)).value_or(0));
+    last = std::max(last, run_number(run.name).value_or(0));
     say("{}: {} is kept: {}\n", command, run.path.string(), why_not(run));
   }
   path_ = (folder_ / fmt::format("run-{:02}.lcmlog", last + 1)).string();

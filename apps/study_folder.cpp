@@ -266,15 +266,21 @@ StudyLock::~StudyLock() {
   close(descriptor_);
 }
 
+std::optional<int> run_number(std::string_view name) {
+  const std::string_view number = name.substr(std::string_view("run-").size());
+  return study::whole_in(number.substr(0, number.find_first_not_of("0123456789")));
+}
+
 std::vector<Run> runs_of(const Study& study, const std::string& id) {
   const study::PlannedParticipant& who = planned(study, id);
   std::vector<fs::path> paths;
   for (const fs::path& path : entries_of(study.at.sessions(id))) {
     if (is_run(path)) paths.push_back(path);
   }
-  std::ranges::sort(paths, {}, [](const fs::path& path) {  // run-100 behind run-99
-    const auto number = study::whole_in(path.stem().string().substr(4));
-    return std::pair(number.value_or(std::numeric_limits<int>::max()), path);
+  // run-100 behind run-99, and a copy of run-01 between it and run-02.
+  std::ranges::sort(paths, {}, [](const fs::path& path) {
+    const std::string name = path.stem().string();
+    return std::pair(run_number(name).value_or(std::numeric_limits<int>::max()), name);
   });
   std::vector<Run> runs;
   for (const fs::path& path : paths) runs.push_back(look_into(study, who, path));

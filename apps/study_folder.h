@@ -1,8 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "study/design.h"
@@ -110,7 +112,10 @@ struct Run {
   bool done() const { return complete && both && not_planned.empty(); }
 };
 
-/// All recordings of a participant of the plan, in order of time.
+/// The number of a run of this name: 7 of "run-07" and of "run-07 copy"; none of "run-x".
+std::optional<int> run_number(std::string_view name);
+
+/// All recordings of a participant of the plan, in order of time: by their numbers, a copy behind its run.
 std::vector<Run> runs_of(const Study& study, const std::string& id);
 
 /// Why a recording does not count: "cut off"; empty for one that may count.

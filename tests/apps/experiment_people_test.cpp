@@ -448,5 +448,25 @@ TEST_F(StudyPeople, AreNotPlannedInAFolderOfOthers) {
   EXPECT_EQ(headpin("experiment plan -o study --people 20").code, 0);
 }
 
+// A copy that a file manager made was taken for the last run, and the next run got its number again.
+TEST_F(StudyPeople, ACopyOfARunComesBetweenItAndTheNextRun) {
+  plan(1);
+  play("p001");
+  const fs::path runs = folder_ / "study/sessions/p001";
+  const auto counts = [&] {
+    return json("experiment status study --json")["participants"][0]["run"];
+  };
+  fs::copy_file(runs / "run-01.lcmlog", runs / "run-01 copy.lcmlog");
+  EXPECT_EQ(counts(), "run-01");
+  fs::copy_file(runs / "run-01.lcmlog", runs / "run-02.lcmlog");
+  spit(runs / "run-01.lcmlog", "");
+  EXPECT_EQ(counts(), "run-01 copy");
+  fs::remove(runs / "run-02.lcmlog");
+  fs::rename(runs / "run-01 copy.lcmlog", folder_ / "kept.lcmlog");
+  spit(runs / "run-03 copy.lcmlog", "");
+  play("p001");
+  EXPECT_EQ(counts(), "run-04");
+}
+
 }  // namespace
 }  // namespace headpin
