@@ -180,6 +180,15 @@ MotionRecording with_unit(MotionRecording r, double unit_m) {
   return r;
 }
 
+/// The first unit of the positions that say none in which a recording is what is wanted; none if there is no such.
+std::optional<double> unit_where(const auto& is_wanted, const MotionRecording& r) {
+  if (is_wanted(r)) return r.reading.unit_m;
+  const std::vector<double>& others = r.reading.other_units_m;
+  const auto found =
+      std::ranges::find_if(others, [&](double unit_m) { return is_wanted(with_unit(r, unit_m)); });
+  return found == others.end() ? std::nullopt : std::optional(*found);
+}
+
 /// Whether one of the recording's throws, by the motion of either hand, is a person's.
 bool has_throw(MotionRecording r, const Hand& hand) {
   r.triggers = {};
@@ -204,19 +213,12 @@ MotionRecording in_likely_units(MotionRecording r, const Hand& hand, bool head_a
     if (r.reading.without_unit[part]) unsaid.push_back(kParts[part]);
   }
   if (unsaid.empty()) return r;
-  const auto is_persons = [&](const MotionRecording& one) {
-    return head_alone ? why_no_head(one).empty() : has_throw(one, hand);
-  };
-  double unit_m = r.reading.unit_m;
-  if (!is_persons(r)) {
-    for (const double other_m : r.reading.other_units_m) {
-      MotionRecording other = with_unit(r, other_m);
-      if (!is_persons(other)) continue;
-      unit_m = other_m;
-      r = std::move(other);
-      break;
-    }
-  }
+  const auto is_throw = [&](const MotionRecording& one) { return has_throw(one, hand); };
+  const auto is_head = [](const MotionRecording& one) { return why_no_head(one).empty(); };
+  std::optional<double> likely_m = head_alone ? std::nullopt : unit_where(is_throw, r);
+  if (!likely_m) likely_m = unit_where(is_head, r);  // what is said of it is then of a person
+  const double unit_m = likely_m.value_or(r.reading.unit_m);
+  if (unit_m != r.reading.unit_m) r = with_unit(std::move(r), unit_m);
   const auto named = std::ranges::find(kLengths, unit_m, &NamedUnit::first);
   r.notes.push_back(fmt::format("positions of {} have no unit: read {}", fmt::join(unsaid, " and "),
                                 named->second));

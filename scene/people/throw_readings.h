@@ -33,7 +33,7 @@ std::optional<devices::Reading> reading_of_a_throw(const devices::MotionRecordin
                                                    const Hand& hand, Side side, std::string& what);
 
 /// A recording of which a part says no unit of positions, beside others that say one: in that unit, or in another
-/// one where it is a person's only so; with a note. Others are returned unchanged.
+/// one where it is a person's throw only so, or at least a person's head; with a note. Others are returned unchanged.
 ///
 /// @param head_alone  the hands do not count
 devices::MotionRecording in_likely_units(devices::MotionRecording recording, const Hand& hand,

@@ -441,5 +441,18 @@ TEST_F(TrialCommands, QuaternionsInSeveralOrdersAreNotInOneInTheFileOfColumns) {
   EXPECT_THAT(slurp(folder_ / "told.toml"), HasSubstr("rotations = 'wxyz'"));
 }
 
+// It said that the head, in metres beside a hand in millimetres, is up 0.0017 m.
+TEST_F(TrialCommands, WhatIsNoThrowInAnyUnitIsReadInThatInWhichItIsAPersonsHead) {
+  std::string table =
+      "time [s],hmd_x,hmd_y,hmd_z,hmd_qw,hmd_qx,hmd_qy,hmd_qz,right_x [mm],right_y [mm],"
+      "right_z [mm],right_qw,right_qx,right_qy,right_qz\n";
+  for (int i = 0; i < 200; ++i)  // the hand goes 2 m ahead of the head
+    table += fmt::format("{:.4f},0,1.7,0,1,0,0,0,200,1000,{},1,0,0,0\n", i / 60.0, -10 * i);
+  spit(folder_ / "far.csv", table);
+  const std::string told = headpin("import far.csv --explain").out;
+  EXPECT_THAT(told, HasSubstr("positions of the head have no unit: read in metres"));
+  EXPECT_THAT(told, HasSubstr("not a person's throw: the right hand goes from the head up to"));
+}
+
 }  // namespace
 }  // namespace headpin
