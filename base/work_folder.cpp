@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "base/input_file.h"
+#include "base/output_file.h"
 
 namespace headpin::base {
 
@@ -111,14 +112,18 @@ bool tells_of_its_folder(int folder, const std::string& entry) {
          fstatat(folder, entry.c_str(), &is, AT_SYMLINK_NOFOLLOW) == 0 && !S_ISDIR(is.st_mode);
 }
 
-/// The entries of a folder that these files are, or lie in.
+/// The entries of a folder that these files are, or lie in, by their names or with links followed.
 std::set<std::string> entries_with(const fs::path& folder, const std::vector<fs::path>& files) {
   std::set<std::string> names;
+  const auto insert = [&](const fs::path& file, const fs::path& root) {
+    names.insert(file.lexically_relative(root).begin()->string());  // `..` outside
+  };
+  const fs::path named = fs::absolute(folder).lexically_normal();
   const fs::path root = fs::canonical(folder);
   for (const fs::path& file : files) {
-    const fs::path whole =
-        fs::weakly_canonical((fs::current_path() / file).parent_path()) / file.filename();
-    names.insert(whole.lexically_relative(root).begin()->string());  // `..` outside
+    const fs::path whole = fs::absolute(file);
+    insert(fs::weakly_canonical(whole.parent_path()) / file.filename(), root);
+    insert(whole.lexically_normal(), named);
   }
   return names;
 }
@@ -189,7 +194,9 @@ void require_no_foreign(const fs::path& folder, const std::set<std::string>& nam
   try {
     const std::set<std::string> known = entries_with(folder, given);
     for (const std::string& name : entries(opened)) {
+      const auto leads_there = [&](const fs::path& file) { return same_file(folder / name, file); };
       if (tells_of_its_folder(opened, name) || known.contains(name)) continue;
+      if (std::ranges::any_of(given, leads_there)) continue;
       if (is_foreign(opened, name, names)) foreign.insert(name);
     }
   } catch (...) {

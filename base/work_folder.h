@@ -34,7 +34,8 @@ std::string find_foreign(int folder, const std::set<std::string>& names);
 /// that does not exist is as good as an empty one.
 ///
 /// @param names  what belongs there: a file, or a folder with `/` at its end
-/// @param given  files to begin from; those that lie there may stay, also in a folder of it
+/// @param given  files to begin from; those that lie there may stay, also in a folder of it, and links
+///               to them
 /// @throws std::runtime_error  as fail_of_foreign, and if the folder cannot be read
 void require_no_foreign(const std::filesystem::path& folder, const std::set<std::string>& names,
                         const std::vector<std::filesystem::path>& given = {});

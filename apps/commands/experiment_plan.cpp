@@ -97,17 +97,49 @@ void check_levels(const study::Design& design, scene::Scenario scenario, const s
   }
 }
 
+/// Whether design.toml is a link to a design that the study begins from, and stays one. Once its
+/// questions and room are written, the study has begun.
+bool begins_from_link(const StudyFolder& at) {
+  return fs::is_symlink(at.design()) && fs::exists(at.design()) && !fs::exists(at.plan()) &&
+         !(fs::exists(at.questionnaire()) && fs::exists(at.scenario()));
+}
+
+/// The design that a study begins from.
+fs::path source_of(const StudyFolder& at, const PlanOptions& options) {
+  const bool linked = begins_from_link(at);
+  if (linked && !options.design_given) return at.design();
+  const fs::path source = bundled("designs", options.design);
+  if (linked && !base::same_file(source, at.design())) {
+    throw base::Exists(at.design().string() + ": exists already, as a link to another design");
+  }
+  return source;
+}
+
+/// The text of a study's design.toml, with a seed.
+std::string with_seed(const std::string& text, const study::Design& design,
+                      const PlanOptions& options, const fs::path& source) {
+  if (!design.seed) {
+    return fmt::format("seed = {}  # of the allotment\n", options.seed.value_or(1)) + text;
+  }
+  if (options.seed && options.seed != design.seed) {
+    throw UsageError(fmt::format("--seed: {} has the seed {}", source.string(), *design.seed));
+  }
+  return text;
+}
+
 /// The files of a new study, before they are written.
 struct NewStudy {
   study::Design design;
   std::string design_text, questions, scenario;
+  bool linked = false;  ///< design.toml is a link, which stays
 };
 
 /// Reads what a new study is made from.
 NewStudy new_study(const StudyFolder& at, const PlanOptions& options) {
-  const fs::path source = bundled("designs", options.design);
+  const fs::path source = source_of(at, options);
+  const std::string text = read_study_file(source);
   NewStudy made;
-  std::string& text = made.design_text = read_study_file(source);
+  made.linked = begins_from_link(at);
   study::Design& design = made.design = study::parse_design(text, source.string());
   const fs::path asked = questionnaire_of(design, source);
   made.questions = read_study_file(asked);
@@ -116,11 +148,12 @@ NewStudy new_study(const StudyFolder& at, const PlanOptions& options) {
   const std::string played = scenario_named_in(design, source);
   const scene::Scenario scenario = scene::parse_scenario(scene::read_scenario_file(played), played);
   check_levels(design, scenario, source.string());
-  if (!design.seed) {
-    design.seed = options.seed.value_or(1);
-    text = fmt::format("seed = {}  # of the allotment\n", *design.seed) + text;
-  } else if (options.seed && options.seed != design.seed) {
-    throw UsageError(fmt::format("--seed: {} has the seed {}", source.string(), *design.seed));
+  made.design_text = with_seed(text, design, options, source);
+  if (!design.seed) design.seed = options.seed.value_or(1);
+  if (made.linked && *design.seed != 1 && made.design_text != text) {
+    throw UsageError(fmt::format(
+        "--seed: {} is a link, and no seed is written into the file that it leads to; write it there",
+        at.design().string()));
   }
   const std::vector<fs::path> sources = {source, asked, played};
   // A killed plan leaves the first of these, and a study that lost its design has all of them.
@@ -135,12 +168,13 @@ NewStudy new_study(const StudyFolder& at, const PlanOptions& options) {
 }
 
 /// Makes the folder of a study with its files. design.toml is the last one; it makes the study
-/// complete.
+/// complete. A link of that name stays as it is.
 void begin_study(const StudyFolder& at, const NewStudy& made) {
   fs::create_directories(at.root);
   base::remove_left_parts(at.root.string());
   write_once(at.questionnaire(), made.questions);
   write_once(at.scenario(), made.scenario);
+  if (made.linked) return;
   check_stop();
   base::write_text({at.design().string(), {}}, made.design_text);
 }
@@ -221,7 +255,7 @@ void print_plan(const Study& study, std::size_t before) {
 
 void plan_study(const PlanOptions& options) {
   const StudyFolder at{*options.output};
-  const bool new_one = !fs::exists(at.design());
+  const bool new_one = !fs::exists(at.design()) || begins_from_link(at);
   if (new_one && fs::exists(at.plan())) {
     throw std::runtime_error(
         fmt::format("{}: contains plan.csv but no design.toml; expected a new folder or a study",
@@ -233,7 +267,7 @@ void plan_study(const PlanOptions& options) {
     extend_plan(planned, options);  // what cannot be planned is refused before anything is written
     begin_study(at, made);
   }
-  if (options.design_given && !fs::exists(at.plan())) {
+  if (options.design_given && !fs::exists(at.plan()) && !fs::is_symlink(at.design())) {
     check_not_from(at.design(), {bundled("designs", options.design)});  // not a study's own
   }
   const StudyLock lock(at.design(), "planning this study");

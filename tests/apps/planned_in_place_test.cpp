@@ -135,5 +135,48 @@ TEST_F(PlannedInPlace, AStudyThatCannotBePlannedIsNotBegun) {
               "p030 has sessions or answers but would not be in a new plan of 2");
 }
 
+// Any link to a given file was refused as a file of others.
+TEST_F(PlannedInPlace, LinksToADesignAndItsTrials) {
+  fs::copy_file(HEADPIN_SOURCE_DIR "/assets/designs/uno-slater-1997.toml", folder_ / "shared.toml");
+  fs::create_symlink("../shared.toml", folder_ / "mine/my-design.toml");
+  const Result planned = headpin("experiment plan -o mine --design shared.toml");
+  EXPECT_EQ(planned.code, 0) << planned.err;
+  bring("trials/demo.lcmlog", "one.lcmlog");
+  spit(folder_ / "sweep.toml", "trials = ['one.lcmlog']\n[grid]\nelasticity = [0.5, 0.7]\n");
+  fs::create_directory(folder_ / "swept");
+  fs::create_symlink("../sweep.toml", folder_ / "swept/sweep.toml");
+  fs::create_symlink("../one.lcmlog", folder_ / "swept/one.lcmlog");
+  const Result swept = headpin("sweep plan sweep.toml -o swept");
+  EXPECT_EQ(swept.code, 0) << swept.err;
+  EXPECT_TRUE(fs::is_symlink(folder_ / "swept/sweep.toml"));
+}
+
+// It was taken for a study that has lost its questionnaire, or refused for its name.
+TEST_F(PlannedInPlace, ADesignThatIsALinkIsTheStudysAndStaysOne) {
+  fs::copy_file(HEADPIN_SOURCE_DIR "/assets/designs/uno-slater-1997.toml", folder_ / "shared.toml");
+  const std::string shared = slurp(folder_ / "shared.toml");
+  for (const std::string named : {"", " --design mine/design.toml", " --design shared.toml"}) {
+    fs::create_symlink("../shared.toml", folder_ / "mine/design.toml");
+    expect_refusal("experiment plan -o mine --seed 7" + named, 2,
+                   "mine/design.toml is a link, and no seed is written into the file that it leads "
+                   "to; write it there");
+    expect_refusal("experiment plan -o mine --design elasticity-friction-shape", 1,
+                   "mine/design.toml: exists already, as a link to another design\n");
+    EXPECT_FALSE(fs::exists(folder_ / "mine/questionnaire.toml"));
+    const Result planned = headpin("experiment plan -o mine" + named);
+    EXPECT_EQ(planned.code, 0) << named << planned.err;
+    EXPECT_TRUE(fs::exists(folder_ / "mine/questionnaire.toml"));
+    fs::remove(folder_ / "mine/plan.csv");  // as if it had been killed before
+    const Result again = headpin("experiment plan -o mine" + named);
+    EXPECT_EQ(again.code, 0) << named << again.err;
+    EXPECT_TRUE(fs::is_symlink(folder_ / "mine/design.toml"));
+    EXPECT_EQ(slurp(folder_ / "shared.toml"), shared);
+    for (const char* name : {"design", "questionnaire", "scenario"}) {
+      fs::remove(folder_ / "mine" / (std::string(name) + ".toml"));
+    }
+    fs::remove(folder_ / "mine/plan.csv");
+  }
+}
+
 }  // namespace
 }  // namespace headpin

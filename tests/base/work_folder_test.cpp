@@ -280,5 +280,22 @@ TEST(WorkFolderTest, FilesThatTellOfAFolderAreNotForeign) {
   EXPECT_THAT(complaint(begun), HasSubstr("holds readme-pictures, which headpin did not write"));
 }
 
+// A link to a given file, or to the folder in which it is given, was one of others.
+TEST(WorkFolderTest, LinksToWhatIsGivenAreNotForeign) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "mine");
+  spit(folder / "shared/design.toml", "theirs");
+  fs::create_symlink("../shared/design.toml", folder / "mine/design.toml");
+  fs::create_directory_symlink("../shared", folder / "mine/linked");
+  const auto complaint_with = [&](const std::vector<fs::path>& given) {
+    return complaint([&] { require_no_foreign(folder / "mine", {"design.toml"}, given); });
+  };
+  const fs::path inside = folder / "mine/linked/design.toml";
+  EXPECT_EQ(complaint_with({inside}), "");
+  EXPECT_THAT(complaint_with({}), HasSubstr("holds design.toml"));
+  fs::remove(folder / "mine/linked");
+  EXPECT_EQ(complaint_with({folder / "shared/design.toml"}), "");
+}
+
 }  // namespace
 }  // namespace headpin::base
