@@ -66,9 +66,8 @@ void CamerasFile::add(const scene::EyeFrame& frame) {
   first_ = false;
 }
 
-void CamerasFile::close() {
+void CamerasFile::finish() {
   write("\n]\n}\n");
-  file_.commit();
 }
 
 ColmapFolder::ColmapFolder(base::OutputFolder& folder, const std::array<render::View, 2>& views)
@@ -98,8 +97,11 @@ void ColmapFolder::add(const scene::EyeFrame& frame) {
   }
 }
 
-void ColmapFolder::close() {
+void ColmapFolder::finish() {
   images_.close();
+}
+
+void ColmapFolder::commit() {
   folder_.commit("images.txt");
 }
 

@@ -20,7 +20,10 @@ class CamerasFile : public scene::FrameSink {
   CamerasFile(base::OutputFile file, const std::array<render::View, 2>& views);
 
   void add(const scene::EyeFrame& frame) override;
-  void close();
+  /// After the last frame, writes what is left.
+  void finish();
+  /// Then gives the file its name.
+  void commit() { file_.commit(); }
 
  private:
   void write(const std::string& text) { file_.write(text.data(), text.size()); }
@@ -37,7 +40,10 @@ class ColmapFolder : public scene::FrameSink {
   ColmapFolder(base::OutputFolder& folder, const std::array<render::View, 2>& views);
 
   void add(const scene::EyeFrame& frame) override;
-  void close();
+  /// After the last frame, writes what is left.
+  void finish();
+  /// Then gives the files their names.
+  void commit();
 
  private:
   base::OutputFolder& folder_;

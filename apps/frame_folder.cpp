@@ -154,9 +154,12 @@ void FrameFolder::write_labels(const render::Labels& labels, const std::string& 
   raw.commit();
 }
 
-void FrameFolder::close() {
+void FrameFolder::finish() {
   wait();
   index_.close();
+}
+
+void FrameFolder::commit() {
   folder_.commit(kIndex);
 }
 

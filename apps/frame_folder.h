@@ -29,7 +29,7 @@ struct FrameFiles {
 /// complete.
 class FrameFolder : public scene::FrameSink {
  public:
-  /// Without close(), leaves the folder as it was.
+  /// Without commit(), leaves the folder as it was.
   /// @param folder   must outlive this
   /// @param objects  the numbers of ids and what they are
   FrameFolder(base::OutputFolder& folder, const FrameFiles& files, double pixel_aspect,
@@ -38,7 +38,10 @@ class FrameFolder : public scene::FrameSink {
   /// Takes a frame; its files are written while the next one is drawn.
   void add(const scene::EyeFrame& frame) override;
 
-  void close();
+  /// After the last frame, writes what is left.
+  void finish();
+  /// Then moves the files to their places.
+  void commit();
 
  private:
   void wait();

@@ -85,13 +85,21 @@ FrameOutputs::FrameOutputs(const FramesOptions& options, const scene::Stage& sta
   if (raw) sinks_.push_back(&y4m_.emplace(std::move(*raw), optics, timing));
 }
 
-void FrameOutputs::close() {
-  if (y4m_) y4m_->close();
-  if (video_) video_->close();
+void FrameOutputs::finish() {
+  if (y4m_) y4m_->finish();
+  if (video_) video_->finish();
+  if (cameras_) cameras_->finish();
+  if (colmap_) colmap_->finish();
+  if (folder_) folder_->finish();
+}
+
+void FrameOutputs::commit() {
+  if (colmap_) colmap_->commit();
+  if (folder_) folder_->commit();
+  if (y4m_) y4m_->commit();
+  if (video_) video_->commit();
   if (sound_) sound_->commit();
-  if (cameras_) cameras_->close();
-  if (colmap_) colmap_->close();
-  if (folder_) folder_->close();
+  if (cameras_) cameras_->commit();
 }
 
 }  // namespace headpin::apps

@@ -53,7 +53,10 @@ class FrameOutputs {
                std::int64_t fps, const std::optional<Heard>& heard);
 
   const std::vector<scene::FrameSink*>& sinks() const { return sinks_; }
-  void close();
+  /// After the last frame, writes what is left of all.
+  void finish();
+  /// Then gives them their names.
+  void commit();
 
  private:
   std::optional<base::OutputFolder> pictures_, models_;

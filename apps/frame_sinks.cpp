@@ -44,7 +44,7 @@ void SequenceSink::add(const scene::EyeFrame& frame) {
   newest_ = std::move(both);
 }
 
-void SequenceSink::close() {
+void SequenceSink::finish() {
   if (numbers_.begun()) show_until(numbers_.last() + 1);
   end();
 }

@@ -49,8 +49,10 @@ class SequenceSink : public scene::FrameSink {
   explicit SequenceSink(const Timing& timing) : hold_(timing.hold), numbers_(timing) {}
 
   void add(const scene::EyeFrame& frame) final;
-  /// After the last one.
-  void close();
+  /// After the last one, writes what is left.
+  void finish();
+  /// Then gives the files their names.
+  virtual void commit() = 0;
 
  private:
   void show_until(std::int64_t picture);
@@ -70,8 +72,10 @@ class VideoSink : public SequenceSink {
   VideoSink(render::VideoFiles files, const render::Optics& optics, const Timing& timing,
             int sound);
 
+  void commit() override { writer_.close(); }
+
  private:
-  void end() override { writer_.close(); }
+  void end() override { writer_.finish(); }
   void write(const render::Image& both) override { writer_.add(both); }
 
   render::VideoWriter writer_;
@@ -84,8 +88,10 @@ class Y4mSink : public SequenceSink {
  public:
   Y4mSink(base::OutputFile file, const render::Optics& optics, const Timing& timing);
 
+  void commit() override { file_.commit(); }
+
  private:
-  void end() override { file_.commit(); }
+  void end() override {}
   void write(const render::Image& both) override;
 
   base::OutputFile file_;

@@ -230,7 +230,7 @@ void VideoWriter::add(const Image& image) {
   ++pictures_;
 }
 
-void VideoWriter::close() {
+void VideoWriter::finish() {
   if (process_ < 0) return;
   if (pictures_ == 0) {
     kill(process_, SIGKILL);
@@ -253,8 +253,14 @@ void VideoWriter::close() {
   };
   require_bytes(files_->lossless);
   if (files_->copy) require_bytes(*files_->copy);
-  files_->lossless.commit();
-  if (files_->copy) files_->copy->commit();
+}
+
+void VideoWriter::close() {
+  finish();
+  std::optional<VideoFiles> files = std::exchange(files_, std::nullopt);
+  if (!files) return;
+  files->lossless.commit();
+  if (files->copy) files->copy->commit();
 }
 
 /// Ends the connection to ffmpeg and returns its wait status.

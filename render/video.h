@@ -65,9 +65,12 @@ class VideoWriter {
   /// @throws std::runtime_error     with ffmpeg's message, when it has stopped
   void add(const Image& image);
 
-  /// Ends the video: waits for ffmpeg and gives the files their names.
+  /// Ends the video: waits until ffmpeg has written all.
   ///
   /// @throws std::runtime_error  with ffmpeg's message when it fails, or when no picture was added
+  void finish();
+
+  /// The same, and gives the files their names.
   void close();
 
  private:

@@ -254,7 +254,8 @@ Done draw_here(const FramesOptions& options, const Task& task, const scene::Reco
                scene::Session session, scene::Eyes& eyes) {
   FrameOutputs outputs = outputs_of(options, task, recorded, session, eyes);
   const Done done = watch(options, task, recorded, std::move(session), eyes, outputs);
-  outputs.close();
+  outputs.finish();
+  outputs.commit();
   return done;
 }
 
@@ -271,6 +272,7 @@ Done draw_apart(const FramesOptions& options, const Task& task, const scene::Rec
   if (options.writes_cameras()) {
     watch(cameras_alone, without_pictures, recorded, std::move(session), eyes, cameras);
   }
+  cameras.finish();
   Progress progress("frames", total);
   const render::Fingerprint who = render::fingerprint(eyes.renderer);
   const DrawnParts drawn =
@@ -284,7 +286,7 @@ Done draw_apart(const FramesOptions& options, const Task& task, const scene::Rec
                      .made_by = fmt::format("{:016x} {}", who.picture, who.renderer),
                      .progress = [&](std::int64_t done) { progress.show(done); }},
                     folder);
-  cameras.close();
+  cameras.commit();
   return {drawn.frames, options.as_shown && task.why_not.empty() ? drawn.frames : 0,
           drawn.there_already};
 }

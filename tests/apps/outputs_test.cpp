@@ -213,5 +213,21 @@ TEST_F(Outputs, AFirmwareIsSixCharactersThatCanBeSeen) {
   expect_refusal("emulate --duration 0.1 --firmware \"$(printf '1\\t2345')\"", 2, "ASCII");
 }
 
+// The raw video had its name already, also that of an older one, when ffmpeg failed at its end.
+TEST_F(Outputs, FramesNameNothingBeforeAllIsWritten) {
+  fs::create_directory(folder_ / "bin");
+  write("bin/ffmpeg", "#!/bin/sh\ncat >/dev/null; exit 1\n");
+  fs::permissions(folder_ / "bin/ffmpeg", fs::perms::owner_all);
+  write("stereo.y4m", "older");
+  const auto before = everything();
+  const std::string command = "cd '" + folder_.string() + "' && PATH=\"$PWD/bin:$PATH\" '" +
+                              HEADPIN_PROGRAM + "' frames " + kDemo +
+                              " --frames 3 --force -o drawn --video stereo.mkv --y4m stereo.y4m" +
+                              " --sound heard.wav --cameras seen.json >out.txt 2>err.txt";
+  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
+  EXPECT_THAT(slurp(folder_ / "err.txt"), HasSubstr("ffmpeg has stopped"));
+  EXPECT_EQ(everything(), before);
+}
+
 }  // namespace
 }  // namespace headpin
