@@ -370,6 +370,18 @@ void Apart::tick(const scene::Session& a, const scene::Session& b) {
   measure_frame(a, b, *head);
 }
 
+std::string in_digits(double value, int digits) {
+  if (value > 0.0 && value < 0.001) return "<0.001";
+  // As %g, but for its exponents.
+  const double rounded = std::stod(fmt::format("{:.{}e}", value, digits - 1));
+  return rounded < std::pow(10.0, digits) ? fmt::format("{:.{}g}", value, digits)
+                                          : fmt::format("{:.0f}", value);
+}
+
+std::string times_in_words(double times) {
+  return times > 0.0 && times < 0.01 ? "less than 0.01" : in_digits(times, 2);
+}
+
 namespace {
 
 /// One difference of one body, in words.
@@ -379,8 +391,8 @@ struct Told {
 };
 
 std::string angle_in_words(double arcmin) {
-  return arcmin < 600.0 ? fmt::format("{:.3g} arcmin", arcmin)
-                        : fmt::format("{:.3g} degrees", arcmin / 60.0);
+  return arcmin < 600.0 ? in_digits(arcmin, 3) + " arcmin"
+                        : in_digits(arcmin / 60.0, 3) + " degrees";
 }
 
 std::vector<Told> all_told(const Apart& apart) {
@@ -416,15 +428,6 @@ std::string times_seen(const Told& told) {
                      told.words, seconds(told.difference.at),
                      times_in_words(told.difference.times));
 }
-
-}  // namespace
-
-std::string times_in_words(double times) {
-  if (times > 0.0 && times < 0.01) return "less than 0.01";
-  return times < 100.0 ? fmt::format("{:.2g}", times) : fmt::format("{:.0f}", times);
-}
-
-namespace {
 
 /// The first difference and the largest one.
 std::vector<std::string> of_bodies(const Apart& apart) {

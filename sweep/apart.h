@@ -150,6 +150,10 @@ class Apart {
   std::vector<Directions> recent_;
 };
 
+/// A number that is not negative, with that many digits and no exponent: 7280, 0.063; below a
+/// thousandth "<0.001".
+std::string in_digits(double value, int digits);
+
 /// How many times as large as what is seen.
 std::string times_in_words(double times);
 

@@ -122,15 +122,17 @@ void print_table(const sweep::Apart& apart) {
   fmt::print("{:<14}{:>20}{:>14}{:>12}{:>10}{:>12}{:>10}\n", "body", "left, right [arcmin]",
              "times seen", "from [s]", "speed", "contact", "bounce");
   const auto times = [](const std::optional<sweep::Difference>& difference) {
-    return difference ? sweep::times_in_words(difference->times) : std::string("-");
+    return difference ? sweep::in_digits(difference->times, 2) : std::string("-");
   };
   for (const sweep::BodyApart& body : apart.bodies()) {
     if (!differs(body)) continue;
     const std::string from =
         body.place.first ? fmt::format("{:.2f}", seconds(*body.place.first)) : "-";
-    fmt::print("{:<14}{:>20}{:>14.2g}{:>12}{:>10}{:>12}{:>10}\n", body.body,
-               fmt::format("{:.3g}, {:.3g}", body.arcmin[0], body.arcmin[1]), body.place.times,
-               from, times(body.speed), times(body.contact), times(body.bounce));
+    fmt::print("{:<14}{:>20}{:>14}{:>12}{:>10}{:>12}{:>10}\n", body.body,
+               fmt::format("{}, {}", sweep::in_digits(body.arcmin[0], 3),
+                           sweep::in_digits(body.arcmin[1], 3)),
+               sweep::in_digits(body.place.times, 2), from, times(body.speed), times(body.contact),
+               times(body.bounce));
   }
 }
 

@@ -394,5 +394,20 @@ TEST(Apart, SkittlesThatAreDrawnOtherwiseAreSaid) {
   EXPECT_THAT(told(high, high), testing::ElementsAre("Nothing differs."));
 }
 
+// Balls that end in other places are thousands of arcmin apart: the table had 7.28e+03.
+TEST(Apart, NumbersHaveNoExponents) {
+  EXPECT_EQ(in_digits(7283.4, 3), "7283");
+  EXPECT_EQ(in_digits(999.6, 3), "1000");
+  EXPECT_EQ(in_digits(637.7, 3), "638");
+  EXPECT_EQ(in_digits(69.25, 3), "69.2");
+  EXPECT_EQ(in_digits(130.2, 2), "130");
+  EXPECT_EQ(in_digits(0.0631, 2), "0.063");
+  EXPECT_EQ(in_digits(2.0, 2), "2");
+  EXPECT_EQ(in_digits(3e-7, 3), "<0.001");
+  EXPECT_EQ(in_digits(0.0, 3), "0");
+  EXPECT_EQ(times_in_words(99.7), "100");
+  EXPECT_EQ(times_in_words(0.0052), "less than 0.01");
+}
+
 }  // namespace
 }  // namespace headpin::sweep
