@@ -46,6 +46,15 @@ std::size_t first_body(const Event& event, const std::optional<TrialHeader>& hea
   return static_cast<std::size_t>(std::ranges::find(names, event.bodies.front()) - names.begin());
 }
 
+/// Whether a tracked space can be so. Its numbers are finite, but may be so large that no place follows
+/// from them.
+bool is_usable(const Rig& rig) {
+  constexpr double kFarthest = 100.0;  // from what is tracked, or from the foul line [m]
+  const auto is_near = [](const Pose& X) { return X.p.norm() < kFarthest; };
+  return rig.head_station != rig.hand_station && is_near(rig.X_WT) && is_near(rig.X_SD) &&
+         is_near(rig.X_SH);
+}
+
 }  // namespace
 
 void FollowedLog::add(std::span<const std::uint8_t> piece) {
@@ -77,7 +86,7 @@ void FollowedLog::take(const TrialHeader& header) {
     Scenario its;
     ScenarioText text{.where = "log", .whole = true};
     read_text(its, header.scenario, text);
-    scenario_.rig = its.rig;
+    if (is_usable(its.rig)) scenario_.rig = its.rig;
   } catch (const std::exception&) {  // the hand is then shown as of another device
   }
   const auto centre = [](const Scenario& s) { return skittle_body(s).centre_height; };
@@ -137,10 +146,12 @@ void FollowedLog::take(const TickState& state) {
 }
 
 void FollowedLog::take(const StateChange& change) {
-  if (const TickState* state = history_.go_on(change)) {
+  const TickState* state = history_.go_on(change);
+  if (state && plausible(Message(*state))) {
     last_ = *state;
     watch_hand();
   } else {
+    history_.forget();  // changes of such a state are of no use either
     ++unusable_;
   }
 }

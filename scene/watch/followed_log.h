@@ -24,7 +24,7 @@ namespace headpin::scene {
 class FollowedLog {
  public:
   /// @param played  the scenario of the session, as some device plays it. Of the one that the log has,
-  ///                only the rig is used: a log that comes from elsewhere must cost no work here
+  ///                only a usable rig is used: a log that comes from elsewhere must cost no work here
   explicit FollowedLog(const Scenario& played = {}) : scenario_(played) {}
 
   /// @param piece  the bytes that follow those before

@@ -1,6 +1,7 @@
 #include "scene/watch/followed_log.h"
 
 #include <algorithm>
+#include <limits>
 #include <set>
 
 #include <fmt/format.h>
@@ -397,6 +398,61 @@ TEST(FollowedLog, AHeaderOfAnotherScenarioGivesTheRigAlone) {
   game.value = static_cast<double>(others.rack.spots.size());
   writer.write(game);
   EXPECT_EQ(follow.state()["unusable"], 1);
+}
+
+/// Takes what is written to it as a log.
+struct Written {
+  FollowedLog follow;
+  TrialEvents writer;
+
+  explicit Written(const TrialHeader& header)
+      : writer(header, {.states = States::changes}, [this](const devices::LogEvent& event) {
+          std::vector<std::uint8_t> piece;
+          devices::append(event, piece);
+          follow.add(piece);
+        }) {}
+};
+
+// The hand was nowhere, as numbers without an end, or far outside of every room.
+TEST(FollowedLog, ARigThatNoDeviceCanHaveIsNotFollowed) {
+  for (const double far : {0.5, 1e4, 1e308}) {
+    Scenario its;
+    its.rig.X_SH.p = Vec3(far, far, 0.0);
+    its.rig.X_SD.p = Vec3(0.0, far, far);
+    TrialHeader header;
+    header.scenario = to_toml(its);
+    Written log(header);
+    for (const std::int32_t station : {devices::kHeadStation, devices::kHandStation}) {
+      devices::TrackerSample sample;
+      sample.station = station;
+      log.writer.write(devices::Sample(sample));
+    }
+    log.writer.write(FrameRecord{});
+    const nlohmann::json hand = log.follow.state()["hand"];
+    EXPECT_EQ(hand[4].get<double>(), far < 1.0 ? far : 0.0) << far;
+    EXPECT_EQ(hand[6].get<double>(), far < 1.0 ? -far : 0.0) << far;
+  }
+}
+
+// The operator's page was sent what is no number.
+TEST(FollowedLog, AChangeToWhatIsNoPoseIsNotFollowed) {
+  TrialHeader header;
+  header.body_names = {"ball"};
+  Written log(header);
+  TickState state;
+  state.bodies.resize(1);
+  state.bodies[0].X_WB.p = Vec3(1.0, 2.0, 3.0);
+  for (int tick = 0; tick < 3; ++tick) {
+    state.tick = tick;
+    log.writer.write(state);
+  }
+  EXPECT_EQ(log.follow.state()["unusable"], 0);
+  state.tick = 3;
+  state.bodies[0].X_WB.p.x() = std::numeric_limits<double>::quiet_NaN();
+  log.writer.write(state);
+  EXPECT_EQ(log.follow.state()["unusable"], 1);
+  EXPECT_EQ(log.follow.state()["tick"], 2);
+  EXPECT_EQ(log.follow.state()["bodies"]["ball"][4], 1.0);
 }
 
 }  // namespace
