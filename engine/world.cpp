@@ -10,6 +10,7 @@
 #include "base/hash.h"
 #include "engine/bodies.h"
 #include "engine/rules.h"
+#include "engine/seams.h"
 #include "engine/touching.h"
 
 namespace headpin::engine {
@@ -384,6 +385,17 @@ void take_over(World& world, const World& from) {
     world.memory.bodies[i].supported = false;
     detail::become(world, i, from.bodies[i].kind, from.asleep[i] != 0);
   }
+}
+
+void contacts_now(World& world, BodyId a, BodyId b, double margin, std::vector<ContactPoint>& out) {
+  check_number(world, a);
+  check_number(world, b);
+  detail::know_seams(world);
+  const std::size_t count = kept_normals(*world.bodies[a].shape, *world.bodies[b].shape);
+  std::vector<KeptNormal> none(count);
+  QueryCounts counts;
+  detail::contacts_of(world, {.a = a, .b = b}, none, world.states[a].X_WB, world.states[b].X_WB,
+                      margin, counts, out);
 }
 
 namespace detail {

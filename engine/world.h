@@ -224,6 +224,13 @@ void take_over(World& world, const World& from);
 void step(World& world, Workspace& workspace);
 void step(World& world);
 
+/// Appends the contact points of two bodies, not both fixed, where they are now, as a step finds them:
+/// unlike find_contacts(), none at an edge where flat faces of fixed parts join to one.
+///
+/// @param margin  points with a gap up to this are included, with negative depth [m]
+/// @throws std::invalid_argument  for an unknown body
+void contacts_now(World& world, BodyId a, BodyId b, double margin, std::vector<ContactPoint>& out);
+
 /// Energy, momentum and angular momentum of the free bodies; height is from the origin of W.
 Balance balance(const World& world);
 /// The part of one free body.

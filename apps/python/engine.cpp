@@ -96,7 +96,7 @@ void add_compounds(py::module_& m) {
       },
       "compound"_a, "density"_a,
       "Mass, centre and inertia of a solid of one density [kg/m^3]; matter where parts overlap "
-      "counts once.");
+      "counts once.\n\nUnder collision.rules 13 and older, skittles whose thin parts overlap were weighed up to a fifth otherwise.");
 }
 
 py::dict closest(const Shape& a, const Shape& b, const Vec3& position, const Quaternion& quaternion,

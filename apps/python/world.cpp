@@ -98,21 +98,14 @@ py::array_t<ContactRow> contacts(PyWorld& w, double margin) {
   if (!(margin >= 0.0) || !std::isfinite(margin)) {
     throw std::invalid_argument("margin: expected finite and 0 m or above");
   }
-  const World& world = w.get();
+  World& world = w.get();
   std::vector<ContactRow> rows;
   std::vector<ContactPoint> points;
-  std::vector<KeptNormal> normals;
-  QueryCounts counts;
   for (BodyId b = 1; b < world.bodies.size(); ++b) {
     for (BodyId a = 0; a < b; ++a) {
       if (world.bodies[a].kind == Kind::fixed && world.bodies[b].kind == Kind::fixed) continue;
-      const Compound &of_a = *world.bodies[a].shape, &of_b = *world.bodies[b].shape;
       points.clear();
-      normals.assign(kept_normals(of_a, of_b), {});
-      Query query = world.parameters.query;  // as the step looks for them
-      if (world.bodies[a].exact || world.bodies[b].exact) query.mode = Query::converged;
-      find_contacts(of_a, world.states[a].X_WB, of_b, world.states[b].X_WB, margin, normals, query,
-                    counts, points);
+      contacts_now(world, a, b, margin, points);
       for (const ContactPoint& p : points) {
         rows.push_back({a, b, three(p.p_W), three(p.n_AB_W), p.depth});
       }
@@ -382,7 +375,7 @@ void add_world_views(py::class_<PyWorld>& c) {
                              "(they had not met before).")
       .def(
           "contacts", contacts, "margin"_a = 0.0,
-          "Contact points now: structured array of a, b, position (3,) [m], normal (3,) from a to "
+          "Contact points now, as a step finds them: structured array of a, b, position (3,) [m], normal (3,) from a to "
           "b, "
           "depth [m].\n\nmargin: gaps up to this are included, with negative depth [m]. Under the paper's detection, bodies that\nare apart have no points, except on a half-space or an exact body.")
       .def_property_readonly("statistics", statistics, "Dict of counts of the last step.")

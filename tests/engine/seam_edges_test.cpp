@@ -336,5 +336,27 @@ TEST(MendAtSeams, LeavesBodiesOfMoreThan65536PairsOfPartsAndThoseThatAreFree) {
   EXPECT_NE(points[0].n_AB_W.y(), 0.0);
 }
 
+// What others than the step looked for had a point at the edge of the next board.
+TEST(ContactsNow, AreThoseOfTheStep) {
+  for (const bool one_body : {false, true}) {
+    World world = two_slabs(one_body);
+    const BodyId ball = add_body(world, ball_body({}, 0.1), at(Vec3(0.3, -0.005, 0.0998)));
+    std::vector<ContactPoint> points, of_shapes;
+    for (BodyId fixed = 0; fixed < ball; ++fixed) {
+      contacts_now(world, fixed, ball, 0.0, points);
+      const Compound &a = *world.bodies[fixed].shape, &b = *world.bodies[ball].shape;
+      std::vector<KeptNormal> normals(kept_normals(a, b));
+      QueryCounts counts;
+      find_contacts(a, world.states[fixed].X_WB, b, world.states[ball].X_WB, 0.0, normals, {},
+                    counts, of_shapes);
+    }
+    EXPECT_EQ(of_shapes.size(), 2u);
+    ASSERT_EQ(points.size(), 1u);
+    EXPECT_LT((points[0].n_AB_W - Vec3::UnitZ()).norm(), 1e-6);
+    EXPECT_NEAR(points[0].depth, 2e-4, 1e-8);
+    EXPECT_THROW(contacts_now(world, 0, ball + 1, 0.0, points), std::invalid_argument);
+  }
+}
+
 }  // namespace
 }  // namespace headpin::engine

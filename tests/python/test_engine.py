@@ -136,6 +136,19 @@ class World(unittest.TestCase):
             with self.assertRaises(ValueError):
                 world.contacts(margin=margin)
 
+    def test_contacts_have_no_points_at_the_edges_of_boards_that_join(self):
+        world = engine.World()
+        faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+        corners = [[1 if i & 1 else -1, 0.5 if i & 2 else -0.5, 0 if i & 4 else -0.1] for i in range(8)]
+        for y in (-0.5, 0.5):
+            board = engine.Part(engine.Polyhedron(corners, faces), [0, y, 0])
+            world.add(engine.Body(engine.Compound([board]), kind="fixed"))
+        world.add(engine.Body(engine.Ellipsoid([0.1] * 3), mass=5), [0.3, -0.005, 0.0998])
+        (point,) = world.contacts()
+        self.assertEqual(point["a"], 0)
+        np.testing.assert_allclose(point["normal"], [0, 0, 1], atol=1e-6)
+        self.assertAlmostEqual(point["depth"], 2e-4, delta=1e-8)
+
     def test_states_have_what_was_set(self):
         world = engine.World(gravity=[0, 0, 0])
         number = world.add(ball(kind="driven"), [1, 2, 3])
