@@ -157,6 +157,7 @@ void Score::add_to_game(const Event& event, const Scenario& scenario) {
 void Score::add_to_throw(const Event& event) {
   if (event.kind == kind::release && is_of_ball(event)) {
     throws.push_back(thrown(event, version_));
+    taken_again_ = false;
     if (games.empty()) throws.back().felled_by_ball = throws.back().felled_by_hand = 0;
   }
   if (event.kind == kind::skittle_down && games.empty()) {
@@ -191,11 +192,14 @@ void Score::add_to_throw(const Event& event) {
 void Score::add_to_way(const Event& event) {
   if (throws.empty()) return;
   ThrowRow& row = throws.back();
+  if (event.kind == kind::grab && is_of_ball(event) && event.bodies.front() == row.body) {
+    taken_again_ = true;
+  }
   if (event.kind == kind::ball_path && !event.bodies.empty() && event.bodies.front() == row.body) {
     if (const auto* path = event.detail.get_if<BallPath>()) row.path = *path;
   }
   const bool met = event.kind == kind::touch || event.kind == kind::first_contact;
-  if (!met || row.frame != 0 || event.bodies.size() != 2) return;
+  if (!met || taken_again_ || row.frame != 0 || event.bodies.size() != 2) return;
   const bool is_first = event.bodies[0] == row.body;
   if (!is_first && event.bodies[1] != row.body) return;
   const std::optional<int> number = skittle_number(event.bodies[is_first ? 1 : 0]);

@@ -68,6 +68,7 @@ struct Score {
   Current current_;
   std::optional<TakenBack> taken_back_;
   std::set<std::string> down_;  ///< skittles counted since the rack was set
+  bool taken_again_ = false;    ///< the ball of the last throw is in the hand
 };
 
 /// @param scenario  of the session

@@ -84,7 +84,8 @@ std::vector<TableField<ThrowRow>> lane_fields() {
        "empty with fewer than two rings, and in older trials",
        of_path<[](const BallPath& p) { return p.flare_mm; }>},
       {"touched", "text", "",
-       "numbers of the skittles that the ball touched, in this order: 1-3-5-9",
+       "numbers of the skittles that the ball touched, in this order: 1-3-5-9; if it is taken up and thrown "
+       "again without a game, of those that it had touched before, at most its first one",
        [](const ThrowRow& r) -> TableValue {
          return fmt::format("{}", fmt::join(r.touched, "-"));
        }},

@@ -234,5 +234,24 @@ TEST(ScoreOfEvents, NumbersOfSkittlesThatCannotBeAreNone) {
   EXPECT_EQ(skittles_in(most), 10'000);
 }
 
+// What the ball touched in the hand stood in the row of the throw before.
+TEST(ScoreOfEvents, ABallThatIsTakenUpAgainTouchesNothingAsAThrow) {
+  Told told;
+  told.events.clear();  // without a game
+  told.at(10, kind::release).at(100, kind::first_contact, {"ball", "skittle 1"}, 5.0);
+  told.at(110, kind::touch, {"ball", "skittle 2"}).at(300, kind::grab, {"skittle 8"});
+  told.at(305, kind::touch, {"ball", "skittle 3"}).at(310, kind::grab);
+  told.at(320, kind::touch, {"ball", "skittle 5"}).at(400, kind::release, {"ball"}, 3.0);
+  told.at(500, kind::first_contact, {"ball", "skittle 1"}, 2.0);
+  told.at(510, kind::touch, {"skittle 6", "ball"}).at(520, kind::skittle_down, {"skittle 6"});
+  const std::vector<ThrowRow> throws = score(told.events).throws;
+  ASSERT_EQ(throws.size(), 2u);
+  EXPECT_THAT(throws[0].touched, ElementsAre(1, 2, 3));
+  EXPECT_THAT(throws[1].touched, ElementsAre(1, 6));
+  EXPECT_EQ(throws[1].entry_speed, 2.0);
+  EXPECT_EQ(throws[0].felled_by_ball, 0);
+  EXPECT_EQ(throws[1].felled_by_ball, 1);
+}
+
 }  // namespace
 }  // namespace headpin::scene
