@@ -211,7 +211,8 @@ void Film::note_contacts(const Session& session) {
   if (contacts_.rows() > 2 * kMostContacts) drop_weak_contacts();
 }
 
-/// Keeps the strongest contacts, in their order.
+/// Keeps the strongest contacts, in their order; of those that are as strong as the weakest of them, the
+/// first ones.
 void Film::drop_weak_contacts() {
   const std::size_t width = contacts_.columns.size();
   std::vector<double> strengths;
@@ -222,9 +223,13 @@ void Film::drop_weak_contacts() {
   std::vector<double> sorted = strengths;
   std::ranges::nth_element(sorted, sorted.begin() + (least - strengths.begin()));
   const double weakest = sorted[static_cast<std::size_t>(least - strengths.begin())];
+  const auto stronger =
+      std::ranges::count_if(strengths, [&](double strength) { return strength > weakest; });
+  std::size_t as_weak = kMostContacts - static_cast<std::size_t>(stronger);
   std::vector<float> kept;
   for (std::size_t row = 0; row < strengths.size(); ++row) {
-    if (strengths[row] < weakest || kept.size() == kMostContacts * width) continue;
+    if (strengths[row] < weakest || (strengths[row] == weakest && as_weak == 0)) continue;
+    if (strengths[row] == weakest) --as_weak;
     const float* values = &contacts_.values[row * width];
     kept.insert(kept.end(), values, values + width);
   }

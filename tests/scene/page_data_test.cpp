@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "base/output_file.h"
+#include "scene/page/page_film.h"
 #include "scene/record/log.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/totals.h"
@@ -306,6 +307,30 @@ TEST(PageData, HasTheDelayOfTheLastSample) {
   const PageData data = page_data(recorded, PageLooks(recorded.scenario), {}, false);
   EXPECT_NEAR(at(data, "clock head", 3000, "device_s"), 3.0, 1e-6);
   EXPECT_NEAR(at(data, "clock head", 3000, "tick_after_s"), 0.25, 1e-6);
+}
+
+// Where many were as strong as the weakest, the first of all were kept, and the strongest were left out.
+TEST(Film, KeepsTheStrongestContacts) {
+  const Scenario scenario;
+  const PageLooks looks(scenario);
+  Session session = make_session(scenario);
+  Film film(looks.looks, {}, 4, nullptr);
+  film.start(session);
+  for (int tick = 1; tick <= 4; ++tick) {
+    session.tick = tick;
+    session.world.events.assign(15'000, {.b = 1, .impulse_W = Vec3(0.0, 0.0, 1.0)});
+    session.world.events.back().impulse_W.z() = 10.0 * tick;
+    film.tick(session);
+  }
+  EXPECT_EQ(film.rows(), 5);
+  const Table contacts = film.take_tables().at(2);
+  EXPECT_EQ(film.contacts_left_out(), 40'000);
+  ASSERT_EQ(contacts.rows(), 20'000u);
+  std::vector<float> strongest;
+  for (std::size_t at = 8; at < contacts.values.size(); at += contacts.columns.size()) {
+    if (contacts.values[at] > 1.0F) strongest.push_back(contacts.values[at]);
+  }
+  EXPECT_THAT(strongest, testing::ElementsAre(10.0F, 20.0F, 30.0F, 40.0F));
 }
 
 }  // namespace
