@@ -181,9 +181,10 @@ void begin_study(const StudyFolder& at, const NewStudy& made) {
 
 void refuse_other_design(const Study& study, const PlanOptions& options) {
   const std::string place = study.at.design().string();
-  if (options.seed && options.seed != study.design.seed) {
-    throw UsageError(fmt::format("--seed: {} has the seed {}, which cannot be changed", place,
-                                 study.design.seed.value_or(0)));
+  const std::uint64_t seed = study.design.seed.value_or(1);
+  if (options.seed.value_or(seed) != seed) {
+    throw UsageError(
+        fmt::format("--seed: {} has the seed {}, which cannot be changed", place, seed));
   }
   if (!options.design_given) return;
   const fs::path source = bundled("designs", options.design);
