@@ -64,12 +64,6 @@ bool is_being_left(const World& world, const Flight& flight, const Touches& touc
   return false;
 }
 
-/// Whether a body cannot meet a half-space within the step, with some room for rounding.
-bool is_above(const Capsule& bounds_W, const Plane& plane) {
-  const double low = std::min(plane.up.dot(bounds_W.a), plane.up.dot(bounds_W.b));
-  return low - plane.height > bounds_W.radius + 2.0 * kMargin;
-}
-
 /// Finds candidates: pairs whose bounds meet. The bounds are widened by the distance that a body
 /// can move within the step.
 void find_pairs(World& world, const Flight& flight, Workspace& w) {

@@ -228,14 +228,17 @@ class Queue {
   /// Searches for more bodies that a body may meet on its new path: those that it did not approach before have
   /// no touch. Older rules search only if it is faster than the search for pairs assumed.
   void seek(BodyId i) {
-    const Flyer& flyer = flight_.bodies[i];
-    const Vec3 moved = world_.states[i].X_WB.p - flight_.struck[flyer.place_struck].second.X_WB.p;
-    const bool was_sought = moved.norm() + way_left(i) <= flyer.sought;
+    Flyer& flyer = flight_.bodies[i];
+    const bool was_sought = moved(i) + way_left(i) <= flyer.sought;
     const bool seeks_all = seeks_after_each_turn(world_.parameters);
     if (was_sought && !seeks_all && !looks_ahead(world_.parameters)) return;
     const Roll& roll = world_.roll;
-    for (const BodyId wall : roll.unbounded) meet_late(key_of(false, i, wall), i, wall);
     const Capsule bounds_W = bounds_left(i);
+    for (std::size_t n = 0; n < roll.unbounded.size(); ++n) {
+      const BodyId wall = roll.unbounded[n];
+      if (seeks_all && is_above(bounds_W, roll.planes_W[n])) continue;
+      meet_late(key_of(false, i, wall), i, wall);
+    }
     w_.broad_phase.find_near(bounds_W, w_.near);
     for (const std::uint32_t n : w_.near) {
       if (distance(bounds_W, roll.bounds_W[n]) <= 0.0) meet_late(i, roll.bounded[n]);
@@ -244,7 +247,19 @@ class Queue {
     for (const BodyId j : w_.strays) {
       if (distance(bounds_W, bounds_left(j)) <= 0.0) meet_late(i, j);
     }
-    if (!was_sought && std::ranges::find(w_.strays, i) == w_.strays.end()) w_.strays.push_back(i);
+    if (was_sought || flyer.strays) return;
+    flyer.strays = true;
+    w_.strays.push_back(i);
+  }
+
+  /// How far a body has moved at most within the step. Older rules take its centre alone [m].
+  double moved(BodyId i) const {
+    const Pose& now = world_.states[i].X_WB;
+    const Pose& then = flight_.struck[flight_.bodies[i].place_struck].second.X_WB;
+    if (!seeks_after_each_turn(world_.parameters)) return (now.p - then.p).norm();
+    const Capsule& bounds = world_.bodies[i].shape->bounds;
+    return std::max((now * bounds.a - then * bounds.a).norm(),
+                    (now * bounds.b - then * bounds.b).norm());
   }
 
   /// How far a body can still go within the step on its present path, without gravity [m].
@@ -288,6 +303,7 @@ class Queue {
     };
     const auto first = touches_.all.begin() + static_cast<std::ptrdiff_t>(had);
     touches_.all.erase(std::remove_if(first, touches_.all.end(), is_known), touches_.all.end());
+    if (known.empty() && touches_.all.size() == had) drop_if_new(candidate);
     for (std::size_t k = had; k < touches_.all.size(); ++k) {
       flight_.touches.emplace_back();
       touches_.all[k].sliding = sliding_of(world_, touches_.all[k].pair.friction);
@@ -307,6 +323,14 @@ class Queue {
     const std::uint32_t added = add_candidate(world_, key, a, b, *touches_.pairs);
     touches_.pairs->normals.resize(end_of_normals(*touches_.pairs));  // without a warm start
     return added;
+  }
+
+  /// Removes the last candidate, which has no touch, if it was not there at the start of the step.
+  void drop_if_new(std::uint32_t candidate) {
+    Pairs& pairs = *touches_.pairs;
+    if (candidate < pairs.early || !seeks_after_each_turn(world_.parameters)) return;
+    pairs.candidates.pop_back();
+    pairs.normals.resize(end_of_normals(pairs));
   }
 
   // Each body's touches: a list from the newest to the oldest.

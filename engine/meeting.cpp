@@ -143,6 +143,16 @@ void go_back(const World& world, const Flight& flight, Touches& touches, Touch& 
   }
 }
 
+/// How far two bodies may move against each other between two looks of the paper's detection: what overlaps in
+/// between alone does so by less than 0.1 mm where they are about as round as a ball or a skittle [m].
+double unseen_way(const World& world, BodyId a, BodyId b) {
+  double least = kNever;
+  for (const BodyId i : {a, b}) {
+    for (const double radius : world.bodies[i].shape->part_radius) least = std::min(least, radius);
+  }
+  return 0.08 * least;
+}
+
 }  // namespace
 
 double trusted_for(const World& world, const Flight& flight, const Touch& touch) {
@@ -150,8 +160,7 @@ double trusted_for(const World& world, const Flight& flight, const Touch& touch)
   const double step = step_seconds(world);
   double trusted = spin * step <= kFarTurn ? kNever : kFarTurn / spin;
   if (looks_often(world.parameters) && shows_only_overlap(world, touch.a, touch.b)) {
-    // Skittles and balls that overlap only between two looks do so by less than 0.1 mm.
-    const double way = 4.0 * deep_for(world, touch.a, touch.b);
+    const double way = unseen_way(world, touch.a, touch.b);
     const double speed = fastest_approach(world, flight, touch.a, touch.b);
     if (speed * step > way) trusted = std::min(trusted, way / speed);
   }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "engine/paths.h"
 
 /// The contact points of two bodies within a step. Private to the engine.
@@ -18,6 +20,12 @@ inline double fastest_approach(const World& world, const Flight& flight, BodyId 
 /// Where an impact turns one of them, more bodies are searched for.
 inline double reach(const World& world, const Flight& flight, BodyId a, BodyId b) {
   return kMargin + fastest_approach(world, flight, a, b) * step_seconds(world) + flight.fall;
+}
+
+/// Whether a body cannot meet a half-space within the step, with some room for rounding.
+inline bool is_above(const Capsule& bounds_W, const Plane& plane) {
+  const double low = std::min(plane.up.dot(bounds_W.a), plane.up.dot(bounds_W.b));
+  return low - plane.height > bounds_W.radius + 2.0 * kMargin;
 }
 
 /// Appends the contact points of the candidate's bodies at these poses, with their kept normals.

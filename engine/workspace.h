@@ -72,6 +72,7 @@ struct Flyer {
   std::uint32_t place_struck = 0;  ///< in `Flight::struck`, once it is there
   std::uint32_t first_touch = 0;   ///< in a list through `QueuedTouch::next`
   bool falls = false;              ///< gravity moves it: nothing carries it
+  bool strays = false;             ///< it can leave the bounds of the search for pairs
 };
 
 /// Inverse mass and inertia of a free and awake body.

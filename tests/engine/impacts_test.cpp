@@ -21,7 +21,7 @@ constexpr double kStepOfImpacts = 1.0 / 240.0;
 /// A ball of 1 kg, of unit inertia, that meets a driven one, on the side to which that one moves.
 struct PressedBall {
   explicit PressedBall(double elasticity, const Vec3& driven_v, const State& ball,
-                       bool pressed = true, int rules = 14)
+                       bool pressed = true, int rules = Parameters{}.rules)
       : world(make_world({.gravity_W = Vec3::Zero(), .rules = rules})) {
     Body driven = ball_body({1.0, 0.0});
     driven.kind = Kind::driven;
@@ -296,7 +296,7 @@ TEST(Roll, BoundsFlatFixedBodiesByTheirBoxSinceRules6) {
 
 /// A rod of 1 m over a block, about to turn into it in a step of 1/60 s, with what stops it.
 struct SwingingRod {
-  explicit SwingingRod(Kind kind, double spin = 20.0, int rules = 14,
+  explicit SwingingRod(Kind kind, double spin = 20.0, int rules = Parameters{}.rules,
                        const Vec3& block_v = Vec3::Zero())
       : world(make_world({.rate_hz = 60, .gravity_W = Vec3::Zero(), .rules = rules})) {
     Body block = solid(test::box({1.0, 1.0, 0.2}), {0.0, 0.0}, 20.0);
@@ -362,7 +362,7 @@ TEST(StopSwings, GiveWhatTheyTakeToTheOtherBodyOrToTheLedgerOfAHand) {
 // Where squeezes are bounded a driven body counts as standing still: it does no work.
 TEST(StopSwings, LetADrivenBodyPushOnlyUnderOlderRules) {
   const Vec3 up(0.0, 0.0, 0.5);
-  for (const int rules : {1, 14}) {
+  for (const int rules : {1, Parameters{}.rules}) {
     SwingingRod rod(Kind::driven, 20.0, rules, up);
     rod.stop();
     const Balance& given = rod.w.by_driven;

@@ -185,7 +185,7 @@ struct Pressed {
   bool pinned;
   double driven = 1e-3;   ///< overlap with the driven body [m]
   double behind = 5.001;  ///< overlap with the other one, in deep ones
-  int rules = 14;
+  int rules = Parameters{}.rules;
   BodyId by = kDriven, other = kFixed;
   std::uint32_t points = 1, points_behind = 1;
 };

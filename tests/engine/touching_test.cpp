@@ -183,7 +183,8 @@ Compound row_of_balls(std::size_t count) {
 }
 
 /// Two rows of balls far from each other, one of them fixed.
-World two_rows(bool fixed_first, std::size_t fixed, std::size_t free, int rules = 14) {
+World two_rows(bool fixed_first, std::size_t fixed, std::size_t free,
+               int rules = Parameters{}.rules) {
   World world = make_world({.rules = rules});
   for (const bool is_fixed : {fixed_first, !fixed_first}) {
     Body body;
