@@ -1,10 +1,15 @@
 #pragma once
 
+#include <map>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "devices/base/resample.h"
+#include "scene/record/details.h"
 #include "scene/play/tick.h"
 #include "scene/play/walk.h"
 #include "scene/stage/stage.h"
@@ -16,6 +21,29 @@ namespace headpin::scene {
 struct Held {
   engine::BodyId body = 0;
   Quat q_HB = Quat::Identity();  ///< its orientation in the hand since the grab
+};
+
+/// Motions of the hand, each found once for all sessions with the same samples, rig and hand.
+class HandMotions {
+ public:
+  /// The motion of the grip, or of the hand's own place, at the time of a tick; by `find` where no session has
+  /// asked for it yet.
+  template <typename F>
+  Motion at(Time time, bool of_grip, F&& find) {
+    const std::pair key(time, of_grip);
+    {
+      const std::lock_guard lock(mutex_);
+      if (const auto known = known_.find(key); known != known_.end()) return known->second;
+    }
+    const Motion found = find();
+    const std::lock_guard lock(mutex_);
+    known_.emplace(key, found);
+    return found;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::pair<Time, bool>, Motion> known_;
 };
 
 /// The state of the player, from the samples.
@@ -31,6 +59,7 @@ struct Player {
   std::optional<Time> grip_changed;       ///< tick of the last grab or release
   std::optional<engine::BodyId> leaving;  ///< body that was released and still touches the hand
   ReleaseChange release_change;           ///< of every release, after that of the scenario
+  std::shared_ptr<HandMotions> motions;   ///< null, or shared with sessions of the same samples
 };
 
 /// X_PS: pose of a sensor in the tracked space, which is the world until the player walks.
