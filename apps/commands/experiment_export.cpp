@@ -231,6 +231,16 @@ void remove_names(std::vector<scene::Event>& events) {
   }
 }
 
+/// The index of the run that counts, as BIDS takes it: 01 of "run-01" and of "run-01 copy".
+std::string run_index(const Study& study, const study::Person& person) {
+  const std::string number = person.played.run.substr(std::string_view("run-").size());
+  const std::string digits = number.substr(0, number.find_first_not_of("0123456789"));
+  if (!digits.empty()) return digits;
+  throw std::runtime_error(fmt::format(
+      "{}: expected a number behind run-, as Motion-BIDS takes it; rename it to run-01.lcmlog or the like",
+      (study.at.sessions(person.planned.id) / (person.played.run + ".lcmlog")).string()));
+}
+
 /// Writes one participant's session; simulates it again for the bodies.
 Traits write_session(Dataset& dataset, const Study& study, const study::Person& person,
                      const std::string& subject, bool deidentify) {
@@ -240,7 +250,7 @@ Traits write_session(Dataset& dataset, const Study& study, const study::Person& 
   scene::TrialHeader header = trial.header;
   header.participant = is_virtual_name(header.participant) ? virtual_name(subject) : subject;
   study::BidsSession session{subject,
-                             person.played.run.substr(4),
+                             run_index(study, person),
                              &header,
                              samples_of(recorded),
                              trial.events,
@@ -274,14 +284,15 @@ void export_study(const ExportStudyOptions& options) {
     throw std::runtime_error(fmt::format("{}: expected sessions to export, found none that counts",
                                          study.at.root.string()));
   }
-  fs::create_directories(root);
-  const StudyLock lock(root, "exporting to this folder");
-  base::remove_left_parts(root.string());
   std::vector<std::string> subjects;
   for (const study::Person& person : people) {
+    run_index(study, person);  // is refused before anything is written
     subjects.push_back(options.deidentify ? fmt::format("{:03}", subjects.size() + 1)
                                           : person.planned.id);
   }
+  fs::create_directories(root);
+  const StudyLock lock(root, "exporting to this folder");
+  base::remove_left_parts(root.string());
   const std::string readme = study::bids_readme(study.design, people, options.deidentify);
   require_free(root, readme, subjects);
   Dataset dataset(root);
@@ -290,6 +301,7 @@ void export_study(const ExportStudyOptions& options) {
   for (std::size_t i = 0; i < people.size(); ++i) {
     study::Person& person = people[i];
     const std::string& subject = subjects[i];
+    const std::string run = run_index(study, person);
     const Traits traits = write_session(dataset, study, person, subject, options.deidentify);
     if (!options.deidentify) copy_trial(dataset, study, person, subject);
     dataset.require_own("sub-" + subject);
@@ -301,6 +313,7 @@ void export_study(const ExportStudyOptions& options) {
     if (!options.deidentify) continue;
     if (!person.replaced_by.empty()) person.replaced_by = "another";
     person.played.sha256 = study::kNoAnswer;
+    person.played.run = "run-" + run;  // a file's name may have a person's behind the number
   }
   const auto all =
       study::dataset_files(study.design, study.questions, people, devices::software_version());

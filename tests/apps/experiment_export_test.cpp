@@ -417,5 +417,33 @@ TEST_F(StudyExport, HasPosesOfBodiesInPlayOnly) {
   EXPECT_EQ(unknown % 7, 0);
 }
 
+// The index of a run is a number in BIDS. What a file browser or a person adds to it is no part of it.
+TEST_F(StudyExport, ARunThatIsACopyHasTheNumberOfItsRun) {
+  play(2);
+  const fs::path sessions = folder_ / "study/sessions";
+  fs::rename(sessions / "p001/run-01.lcmlog", sessions / "p001/run-01 copy.lcmlog");
+  fs::rename(sessions / "p002/run-01.lcmlog", sessions / "p002/run-x.lcmlog");
+  expect_refusal("experiment export study --motion-bids data", 1,
+                 "sessions/p002/run-x.lcmlog: expected a number behind run-");
+  EXPECT_FALSE(fs::exists(folder_ / "data"));
+  fs::rename(sessions / "p002/run-x.lcmlog", sessions / "p002/run-12_anna.lcmlog");
+  ASSERT_EQ(headpin("experiment export study --motion-bids data").code, 0);
+  const auto index_is = [&](const std::string& subject, const std::string& index) {
+    for (const auto& entry : fs::directory_iterator(folder_ / "data" / subject / "motion")) {
+      EXPECT_THAT(entry.path().filename().string(), HasSubstr("_run-" + index + "_"));
+    }
+  };
+  index_is("sub-p001", "01");
+  index_is("sub-p002", "12");
+  EXPECT_EQ(slurp(folder_ / "data/sourcedata/sub-p001/run-01 copy.lcmlog"),
+            slurp(sessions / "p001/run-01 copy.lcmlog"));
+  const std::string head = "data/sub-p001/motion/sub-p001_task-bowling_tracksys-head_run-01_motion";
+  EXPECT_EQ(headpin("import " + head + ".tsv -o again.lcmlog").code, 0);
+  ASSERT_EQ(headpin("experiment export study --motion-bids numbers --deidentify").code, 0);
+  const std::string people = slurp(folder_ / "numbers/participants.tsv");
+  EXPECT_THAT(people, HasSubstr("\trun-12\t"));
+  EXPECT_THAT(people, testing::Not(HasSubstr("anna")));
+}
+
 }  // namespace
 }  // namespace headpin
