@@ -74,11 +74,13 @@ std::string scenario_named_in(const study::Design& design, const fs::path& desig
 }
 
 /// Checks that each key of the factors and each level can be set in the scenario.
-void check_levels(const study::Design& design, scene::Scenario scenario, const std::string& where) {
+/// @param called  the scenario, in messages
+void check_levels(const study::Design& design, scene::Scenario scenario, const std::string& called,
+                  const std::string& where) {
   if (!scenario.version.buttons) {
     throw std::invalid_argument(
         fmt::format("{}:{}: scenario '{}' has no two versions; expected [version] buttons = true",
-                    where, design.scenario_line, design.scenario));
+                    where, design.scenario_line, called));
   }
   for (const study::Factor& factor : design.factors) {
     const std::string place = fmt::format("{}:{}: factor.levels", where, factor.levels_line);
@@ -147,7 +149,7 @@ NewStudy new_study(const StudyFolder& at, const PlanOptions& options) {
                      source.string());
   const std::string played = scenario_named_in(design, source);
   const scene::Scenario scenario = scene::parse_scenario(scene::read_scenario_file(played), played);
-  check_levels(design, scenario, source.string());
+  check_levels(design, scenario, design.scenario, source.string());
   made.design_text = with_seed(text, design, options, source);
   if (!design.seed) design.seed = options.seed.value_or(1);
   if (made.linked && *design.seed != 1 && made.design_text != text) {
@@ -210,6 +212,14 @@ void say_made_again(const Study& study) {
   say("{}: is made again for the sessions or answers that are there; it does not have what a plan that was lost "
       "had of replacements and changes by hand\n",
       study.at.plan().string());
+}
+
+/// Refuses to add participants to a study of which no session can be played: its scenario is not
+/// there, cannot be read, or does not have what the design changes.
+void check_playable(const Study& study) {
+  const std::string path = study.at.scenario().string();
+  check_levels(study.design, scene::parse_scenario(scene::read_scenario_file(path), path), path,
+               study.at.design().string());
 }
 
 /// Adds the participants that the options ask for, in memory.
@@ -277,6 +287,7 @@ void plan_study(const PlanOptions& options) {
   refuse_other_design(study, options);
   const std::size_t before = study.plan.size();
   extend_plan(study, options);
+  if (!new_one && study.plan.size() != before) check_playable(study);
   if (before == 0) say_made_again(study);
   if (study.plan.size() != before) write_plan(study);
   say_not_in_plan(study);

@@ -178,5 +178,31 @@ TEST_F(PlannedInPlace, ADesignThatIsALinkIsTheStudysAndStaysOne) {
   }
 }
 
+// plan.csv was written, and the first session told that there is no scenario.
+TEST_F(PlannedInPlace, AStudyThatCannotBePlayedGetsNoPlan) {
+  write_design("design.toml", "./asked.toml", "./lane.toml");
+  bring("questionnaires/uno-slater-1997.toml", "mine/questionnaire.toml");
+  const std::string command = "experiment plan -o mine";
+  const auto expect_no_plan = [&](const std::string& says) {
+    expect_refusal(command, 1, says);
+    EXPECT_FALSE(fs::exists(folder_ / "mine/plan.csv")) << says;
+  };
+  expect_no_plan("mine/scenario.toml: cannot be read");
+  spit(folder_ / "mine/scenario.toml", "x = [");
+  expect_no_plan("mine/scenario.toml:1: not TOML");
+  fs::remove(folder_ / "mine/scenario.toml");
+  bring("scenarios/paper-room.toml", "mine/scenario.toml");
+  expect_no_plan("scenario 'mine/scenario.toml' has no two versions");
+  fs::remove(folder_ / "mine/scenario.toml");
+  bring("scenarios/uno-slater-1997.toml", "mine/scenario.toml");
+  const Result planned = headpin(command);
+  EXPECT_EQ(planned.code, 0) << planned.err;
+  const std::string plan = slurp(folder_ / "mine/plan.csv");
+  fs::remove(folder_ / "mine/scenario.toml");
+  EXPECT_EQ(headpin(command).code, 0);  // adds nobody
+  expect_refusal(command + " --people 36", 1, "mine/scenario.toml: cannot be read");
+  EXPECT_EQ(slurp(folder_ / "mine/plan.csv"), plan);
+}
+
 }  // namespace
 }  // namespace headpin
