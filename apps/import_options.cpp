@@ -196,8 +196,11 @@ void read_columns(const ImportOptions& options, devices::MotionOptions& motion) 
       Word{options.columns, "--columns"}.refuse(
           "WHAT=COLUMN, ... such as time=t, head=HMD_*; or a .toml file");
     }
-    motion.columns.push_back(
-        {trimmed_word(part.substr(0, sign)), trimmed_word(part.substr(sign + 1)), "--columns"});
+    const std::string key = trimmed_word(part.substr(0, sign));
+    if (std::ranges::find(motion.columns, key, &devices::ToldColumn::key) != motion.columns.end()) {
+      Word{key, "--columns"}.refuse("each key once");
+    }
+    motion.columns.push_back({key, trimmed_word(part.substr(sign + 1)), "--columns"});
   }
 }
 

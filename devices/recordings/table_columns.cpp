@@ -130,6 +130,10 @@ class Told {
                         "expected x, y, z, qw, qx, qy, qz, rx, ry, rz (angles), m00 to m22 or "
                         "trigger");
     }
+    if (part == 0 && component.quantity == Quantity::trigger) {
+      throw WrongColumn(told, fmt::format("'{}': a head has no trigger", told.key),
+                        "expected trigger, left.trigger or right.trigger");
+    }
     // "rx" is an angle, unless "rw" is told too.
     const std::string rw = fmt::format("{}.rw", kPartKeys[part]);
     if (is_one_of(word, {"rx", "ry", "rz"}) &&

@@ -80,6 +80,7 @@ class TableMotion {
 
   MotionTracks read() {
     require_columns();
+    require_told_parts();
     require_told_angles();
     for (const std::string& missing : columns_.missing) tracks_.notes.push_back(missing);
     find_reading();
@@ -149,6 +150,23 @@ class TableMotion {
     const bool told = columns_.time && options_.p_head && !columns_.parts[0].tracked();
     throw UnclearColumns(
         fmt::format("{}: {}; {}", where_, columns_.missing[told ? 1 : 0], names_in(table_)));
+  }
+
+  /// A told component of a head or hand that was not found would be ignored.
+  void require_told_parts() const {
+    for (const ToldColumn& told : options_.columns) {
+      const std::size_t dot = told.key.find('.');
+      if (dot == std::string::npos) continue;
+      const std::string key = told.key.substr(0, dot);
+      const auto part =
+          static_cast<std::size_t>(std::ranges::find(kPartKeys, key) - kPartKeys.begin());
+      if (columns_.parts[part].tracked()) continue;
+      throw WrongColumn(
+          told,
+          fmt::format("{} = '{}' is of a {} that was not found", told.key, told.column,
+                      kPartNames[part]),
+          fmt::format("expected {0} = 'NAME*' or all of {0}.x, {0}.y and {0}.z as well", key));
+    }
   }
 
   /// An order or unit of angles that no column has is a mistake.

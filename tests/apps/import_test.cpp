@@ -454,5 +454,20 @@ TEST_F(TrialCommands, WhatIsNoThrowInAnyUnitIsReadInThatInWhichItIsAPersonsHead)
   EXPECT_THAT(told, HasSubstr("not a person's throw: the right hand goes from the head up to"));
 }
 
+// A part of another hand was ignored, and of a key that was told twice the first or the last one.
+TEST_F(TrialCommands, ColumnsThatAreToldInVainAreRefused) {
+  const std::string text = slurp(HEADPIN_SOURCE_DIR "/assets/throws/example.csv");
+  const std::size_t end = text.find('\n');
+  std::string header = text.substr(0, end);
+  for (std::size_t at; (at = header.find("left_hand")) != std::string::npos;)
+    header.replace(at, 9, "elbow");
+  spit(folder_ / "one.csv", header + text.substr(end));
+  const auto refused = [&](const std::string& columns, const std::string& says) {
+    expect_refusal("import one.csv -o OUT.lcmlog --columns '" + columns + "'", 2, says);
+  };
+  refused("left.x=#2", "--columns: left.x = '#2' is of a left hand that was not found");
+  refused("right.x=#2,right.x=#3", "--columns: expected each key once, found right.x");
+}
+
 }  // namespace
 }  // namespace headpin

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/recordings/table_columns.h"
+#include "devices/recordings/table_motion.h"
 #include "tests/support/folder.h"
 
 namespace headpin::devices {
@@ -243,6 +244,26 @@ TEST(ToldRotation, ThatIsNoWholeOneOfATableWithARowForEachObjectIsRefused) {
             }),
             "--columns: head.rx = 'qx' makes no whole rotation; expected all of qw, qx, qy, qz, or "
             "of rx, ry, rz, or m00 to m22");
+}
+
+// They were ignored.
+TEST(ToldColumns, OfAPartThatIsNotFoundAreRefused) {
+  const auto reading = [](const std::string& header, const ToldColumns& told) {
+    MotionOptions options;
+    options.columns = told;
+    return complaint([&] { parse_motion_table(rows_under(header), "t.csv", options); });
+  };
+  const std::string names = kHeadAndHand + ",press";
+  EXPECT_EQ(
+      reading(names, {{"left.trigger", "press", "--columns"}}),
+      "--columns: left.trigger = 'press' is of a left hand that was not found; expected left = "
+      "'NAME*' or all of left.x, left.y and left.z as well");
+  const ToldColumns beside = {{"right", "right_*"}, {"left.x", "press", "m.toml:4"}};
+  EXPECT_THAT(reading(names, beside), HasSubstr("m.toml:4: left.x = 'press' is of a left hand"));
+  EXPECT_THAT(reading("time,left_x,left_y,left_z,press", {{"right.qw", "press"}}),
+              HasSubstr("no head was found"));
+  EXPECT_THAT(told_refusal(names, {{"head.trigger", "press", "--columns"}}),
+              HasSubstr("'head.trigger': a head has no trigger; expected trigger, left.trigger"));
 }
 
 }  // namespace
