@@ -90,7 +90,11 @@ std::vector<std::string> read_values(const toml::node& node, const std::string& 
     const Range range = read_range(*table, where, key, &steps);
     for (std::int64_t i = 0; i < steps; ++i) {
       const double part = static_cast<double>(i) / static_cast<double>(steps - 1);
-      values.push_back(in_words(range.from + part * (range.to - range.from)));
+      const std::string value = in_words(range.from + part * (range.to - range.from));
+      if (!values.empty() && values.back() == value) {
+        refuse(where, node, key, "a range whose steps differ within 12 digits");
+      }
+      values.push_back(value);
     }
     return values;
   }
@@ -115,7 +119,7 @@ void each_key(const toml::table& table, const std::string& before, const See& se
   for (const auto& [name, node] : table) {
     const std::string key = before + std::string(name.str());
     const auto* inner = node.as_table();
-    if (inner && !is_range(*inner)) {
+    if (inner && !inner->empty() && !is_range(*inner)) {  // an empty one has no range
       each_key(*inner, key + ".", see);
     } else {
       see(key, node);

@@ -2,6 +2,7 @@
 #include <atomic>
 #include <charconv>
 #include <condition_variable>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -121,6 +122,7 @@ void run_sweep(const RunSweepOptions& options) {
   const Shard shard = parse_shard(options.shard);
   watch_stop_signals();
   const sweep::Sweep sweep = open_planned(options.sweep);
+  std::filesystem::create_directories(sweep.at.pieces());  // a copy may lack it while it is empty
   base::remove_left_parts(sweep.at.pieces().string());
   std::int64_t rows = 0, missing = 0;
   for (std::int64_t i = shard.rest; i < sweep.pieces.size(); i += shard.of) {

@@ -359,5 +359,13 @@ TEST_F(SweepCommands, AFolderOfOthersIsNotPlannedIn) {
   plan("begun");
 }
 
+// Archives and git leave out empty folders, and one who deletes all pieces may delete the folder.
+TEST_F(SweepCommands, AFolderOfPiecesThatIsGoneIsMadeAgain) {
+  write_design("[grid]\nelasticity = [0.2, 0.5]\n");
+  plan("some");
+  fs::remove_all(folder_ / "some/pieces");
+  EXPECT_EQ(json("sweep run some --json")["simulated"], 2);
+}
+
 }  // namespace
 }  // namespace headpin

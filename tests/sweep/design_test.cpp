@@ -224,5 +224,22 @@ TEST(SweepDesign, AnyTextIsReadOrRefused) {
   EXPECT_GT(refused, 100);
 }
 
+// They were left out, and the sweep had the trial's own value.
+TEST(SweepDesign, AKeyWithAnEmptyTableIsRefused) {
+  for (const char* table : {"[grid]\nfriction = {}\n", "[grid]\nball.mass = {}\n", "[grid.lane]\n",
+                            "[random]\nball.mass = {from = 4, to = 8}\nball.radius = {}\n"}) {
+    EXPECT_THAT(complaint([&] { of(table); }), HasSubstr(".from must be a finite number, found {}"))
+        << table;
+  }
+}
+
+// Rows had the same key and the same values.
+TEST(SweepDesign, StepsThatAreTheSameValueAreRefused) {
+  const std::string begin = "[grid]\nfriction = {from = 0.1, to = ";
+  EXPECT_THAT(complaint([&] { of(begin + "0.1000000000001, steps = 5}\n"); }),
+              HasSubstr("friction must be a range whose steps differ within 12 digits, found {"));
+  EXPECT_EQ(of(begin + "0.10000000001, steps = 5}\n").grid[0].values.size(), 5u);
+}
+
 }  // namespace
 }  // namespace headpin::sweep
