@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -225,11 +226,24 @@ std::vector<std::string> names_of(const std::vector<std::string>& trials) {
   return names;
 }
 
+/// Throws of a trial that is given twice, as with `s.lcmlog *.lcmlog`, would count twice.
+void require_different(const std::vector<std::string>& trials) {
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      std::error_code none;  // what cannot be read is told later
+      if (trials[i] != trials[j] && !std::filesystem::equivalent(trials[i], trials[j], none))
+        continue;
+      throw UsageError(fmt::format("TRIALS: expected each trial once, found {} twice", trials[i]));
+    }
+  }
+}
+
 }  // namespace
 
 sweep::WhatIf ask_what_if(const WhatIfQuestion& question, std::string_view command) {
   sweep::WhatIf whatif;
   whatif.grid = grid_of(question);
+  require_different(question.trials);
   ThrowsOfTrial throws;
   const std::vector<std::string> names = names_of(question.trials);
   for (std::size_t t = 0; t < question.trials.size(); ++t) {

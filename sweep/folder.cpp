@@ -133,6 +133,19 @@ void require_different_names(const Design& design, const std::string& where) {
   }
 }
 
+/// Two copies of a trial would count twice in all means, and their rows have the same key.
+void require_different_trials(const Design& design, const std::vector<Trial>& trials,
+                              const std::string& where) {
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    const auto same = std::ranges::find(trials, trials[i].sha256, &Trial::sha256);
+    const auto first = static_cast<std::size_t>(same - trials.begin());
+    if (first == i) continue;
+    throw std::invalid_argument(
+        fmt::format("{}: expected different trials, found {} and its copy {}", where,
+                    design.trials[first], design.trials[i]));
+  }
+}
+
 /// The trial's file in the sweep's folder.
 fs::path own(const SweepFolder& at, const std::string& trial) {
   return at.trials() / fs::path(trial).filename();
@@ -197,6 +210,7 @@ std::int64_t plan(const fs::path& file, const SweepFolder& at, const std::functi
     trials.push_back(read_trial((file.parent_path() / trial).string()));
     check();
   }
+  require_different_trials(design, trials, file.string());
   try_values(design, trials, file.string());
   require_effects(design, all_have_versions(design, trials), file.string());
   require_paper_rows(design, trials, file.string());

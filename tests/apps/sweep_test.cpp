@@ -367,5 +367,15 @@ TEST_F(SweepCommands, AFolderOfPiecesThatIsGoneIsMadeAgain) {
   EXPECT_EQ(json("sweep run some --json")["simulated"], 2);
 }
 
+// It counted twice in all means, and two rows had the same key.
+TEST_F(SweepCommands, ACopyOfATrialIsRefused) {
+  fs::copy_file(folder_ / "throw.lcmlog", folder_ / "again.lcmlog");
+  spit(folder_ / "sweep.toml",
+       "trials = ['throw.lcmlog', 'again.lcmlog']\n[grid]\nfriction = [0]\n");
+  expect_refusal(
+      "sweep plan sweep.toml -o OUT", 1,
+      "sweep.toml: expected different trials, found throw.lcmlog and its copy again.lcmlog");
+}
+
 }  // namespace
 }  // namespace headpin

@@ -227,5 +227,12 @@ TEST_F(WhatIfCommand, StoppedItLeavesNothing) {
   EXPECT_FALSE(fs::exists(folder_ / "OUT"));
 }
 
+// Its throws counted twice in the costs.
+TEST_F(WhatIfCommand, ATrialThatIsGivenTwiceIsRefused) {
+  for (const char* name : {"a.lcmlog", "b.lcmlog"}) fs::copy_file(kDemo, folder_ / name);
+  expect_refusal("whatif b.lcmlog a.lcmlog ./b.lcmlog --costs -o OUT" + kOne, 2,
+                 "TRIALS: expected each trial once, found ./b.lcmlog twice");
+}
+
 }  // namespace
 }  // namespace headpin
