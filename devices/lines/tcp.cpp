@@ -24,6 +24,9 @@ constexpr int kSocketBuffer = 4096;
 /// than a Fastrak saves (3 s), which answers afterwards.
 constexpr std::chrono::seconds kLastAnswer{4};
 
+/// A newcomer leaves it the line for this long after its last words, so that their answer is sent.
+constexpr std::chrono::milliseconds kAnswer{100};
+
 [[noreturn]] void fail_tcp(const std::string& what) {
   if (errno == EADDRINUSE) throw base::Busy(what + ": " + std::strerror(errno));
   throw std::runtime_error(what + ": " + std::strerror(errno));
@@ -101,11 +104,10 @@ bool has_left(int fd) {
          info.tcpi_last_ack_recv > kLong && info.tcpi_probes + info.tcpi_retransmits > 0;
 }
 
-/// Whether the peer of a socket sends no more, and something that it sent was not read yet.
-bool has_last_words(int fd) {
-  pollfd state{fd, POLLRDHUP, 0};
+/// Whether something that the peer of a socket sent was not read yet.
+bool has_unread(int fd) {
   char byte = 0;
-  return ::poll(&state, 1, 0) == 1 && ::recv(fd, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 1;
+  return ::recv(fd, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 1;
 }
 
 /// Connects a socket that does not block; sets errno when that fails.
@@ -195,23 +197,27 @@ void TcpServer::hang_up() {
   sends_no_more_ = false;
 }
 
-void TcpServer::accept_newcomer() {
-  if (client_ >= 0 && has_last_words(client_)) return;  // a newcomer waits until they are read
+bool TcpServer::renewed() {
+  pollfd door{listener_, POLLIN, 0};
+  if (::poll(&door, 1, 0) != 1)
+    return false;  // before the client is looked at, which may leave now
+  const bool leaves = client_ >= 0 && has_left(client_);
+  const bool answered = std::chrono::steady_clock::now() - last_heard_ >= kAnswer;
+  if (leaves && (has_unread(client_) || !answered)) return false;  // a newcomer waits
   const int newcomer = accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
-  if (newcomer < 0) return;
-  if (client_ >= 0 && !has_left(client_)) {
+  if (newcomer < 0) return false;
+  if (client_ >= 0 && !leaves) {
     ::close(newcomer);
-    return;
+    return false;
   }
   hang_up();
   client_ = newcomer;
-  renewed_ = true;
   send_at_once(client_);
   notice_death(client_);
+  return true;
 }
 
 std::size_t TcpServer::read(std::span<std::uint8_t> out) {
-  accept_newcomer();
   if (client_ < 0) return 0;
   if (sends_no_more_) {
     if (std::chrono::steady_clock::now() - last_offered_ > kLastAnswer) hang_up();
@@ -219,6 +225,7 @@ std::size_t TcpServer::read(std::span<std::uint8_t> out) {
   }
   const Received received = receive_some(client_, out);
   if (received.gone) hang_up();
+  if (received.size > 0) last_heard_ = std::chrono::steady_clock::now();
   if (received.end) {
     sends_no_more_ = true;
     last_offered_ = std::chrono::steady_clock::now();
@@ -227,7 +234,6 @@ std::size_t TcpServer::read(std::span<std::uint8_t> out) {
 }
 
 std::size_t TcpServer::write(Bytes bytes) {
-  accept_newcomer();
   if (client_ < 0 || bytes.empty()) return bytes.size();
   bool gone = false;
   const std::size_t n = send_some(client_, bytes, &gone);

@@ -5,7 +5,6 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <utility>
 
 #include "devices/lines/byte_stream.h"
 
@@ -25,7 +24,7 @@ std::unique_ptr<ByteStream> connect_tcp(
 ///
 /// Bytes that are written while no client is connected are lost. A client that has shut its sending
 /// half, as `printf S | nc -N` does, still gets its answers: it is hung up when nothing was written
-/// for 4 s, or when a newcomer takes its place, who waits until all that it sent is read.
+/// for 4 s, or when a newcomer takes its place, who waits until all that it sent has been read for 0.1 s.
 class TcpServer : public ByteStream {
  public:
   /// @param port     0 for any free one
@@ -44,23 +43,21 @@ class TcpServer : public ByteStream {
 
   std::size_t read(std::span<std::uint8_t> out) override;
   std::size_t write(Bytes bytes) override;
-  bool renewed() override {
-    accept_newcomer();
-    return std::exchange(renewed_, false);
-  }
+  /// Only here a newcomer takes the line, so that nothing is read or written for another client before this
+  /// says so.
+  bool renewed() override;
   bool closed() const override { return false; }
   /// The client's while it may send.
   int descriptor() const override { return client_ >= 0 && !sends_no_more_ ? client_ : listener_; }
 
  private:
-  void accept_newcomer();
   void hang_up();
 
-  bool renewed_ = false;
   int listener_ = -1;
   int client_ = -1;
   bool sends_no_more_ = false;                            ///< the client
   std::chrono::steady_clock::time_point last_offered_{};  ///< when it last took bytes
+  std::chrono::steady_clock::time_point last_heard_{};    ///< when bytes were last read
   std::string address_;
   int port_ = 0;
 };

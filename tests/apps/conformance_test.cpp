@@ -33,6 +33,7 @@ class CountedReadings : public devices::ByteStream {
     if (!bytes.empty() && std::exchange(asked_, false)) ++answered;
     return server.write(bytes);
   }
+  bool renewed() override { return server.renewed(); }
   bool closed() const override { return server.closed(); }
 
   devices::TcpServer server{0};

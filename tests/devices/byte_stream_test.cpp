@@ -17,6 +17,7 @@
 #include "base/lock.h"
 #include "devices/lines/lasting_line.h"
 #include "devices/lines/tcp.h"
+#include "tests/devices/line_ends.h"
 #include "tests/support/folder.h"
 
 namespace headpin::devices {
@@ -292,7 +293,7 @@ TEST(LastingLineTest, ALineThatHangsUpBeforeItsRateIsSetComesBackAtThatRate) {
 }
 
 TEST(TcpServerTest, OneClientAfterTheOther) {
-  TcpServer server(0);
+  OpenDoor server(0);
   ASSERT_GT(server.port(), 0);
   for (int i = 0; i < 3; ++i) {
     const auto client = connect_tcp("127.0.0.1", server.port());
@@ -305,7 +306,7 @@ TEST(TcpServerTest, OneClientAfterTheOther) {
 
 // As a serial line, which has one end: who comes later must not end the session that is under way.
 TEST(TcpServerTest, ASecondClientIsHungUpAndTheFirstKeepsTheLine) {
-  TcpServer server(0);
+  OpenDoor server(0);
   const std::string name = "tcp:127.0.0.1:" + std::to_string(server.port());
   const auto first = connect_tcp("127.0.0.1", server.port());
   put(*first, "S");
@@ -342,7 +343,7 @@ TEST(TcpClientTest, AsksASilentUnitForASignOfLifeAndGivesUpAfterEightSeconds) {
 }
 
 TEST(TcpServerTest, NobodyThereLosesTheBytes) {
-  TcpServer server(0);
+  OpenDoor server(0);
   EXPECT_EQ(put(server, "nobody"), 6u);
   const auto client = connect_tcp("127.0.0.1", server.port());
   EXPECT_EQ(put(server, "somebody"), 8u);
@@ -350,7 +351,7 @@ TEST(TcpServerTest, NobodyThereLosesTheBytes) {
 }
 
 TEST(TcpServerTest, AReaderWhoDoesNotReadStopsTheWriter) {
-  TcpServer server(0);
+  OpenDoor server(0);
   const auto client = connect_tcp("127.0.0.1", server.port());
   std::size_t taken = 0;
   for (int i = 0; i < 100'000; ++i) taken += put(server, std::string(100, 'x'));
@@ -373,7 +374,7 @@ int client_with_little_room(int port) {
 // Records that wait in the machine are old when they are read. What one machine holds for another is
 // what the writer's socket takes and what the reader's takes; the latter is made small here.
 TEST(TcpServerTest, WhoReadsLateFindsFewRecordsThatWaited) {
-  TcpServer server(0);
+  OpenDoor server(0);
   const int client = client_with_little_room(server.port());
   std::size_t taken = 0;
   for (int i = 0; i < 100'000; ++i) taken += put(server, std::string(100, 'x'));
@@ -396,7 +397,7 @@ TEST(TcpServerTest, SaysThatAnotherClientHasCome) {
 // The system asks such a client now and then, and less and less often. That it is asked rarely was
 // taken for its absence.
 TEST(TcpServerTest, AClientThatDoesNotReadKeepsTheLineWhileItsMachineAnswers) {
-  TcpServer server(0);
+  OpenDoor server(0);
   const int first = client_with_little_room(server.port());
   tcp_info info{};
   while (info.tcpi_last_ack_recv <= 11'000) {  // ms; after about half a minute
@@ -436,7 +437,7 @@ TEST(TcpServerTest, AnAddressThatIsNoneOfThisComputerIsRefused) {
 }
 
 TEST(TcpServerTest, TheClientSeesTheEnd) {
-  auto server = std::make_unique<TcpServer>(0);
+  auto server = std::make_unique<OpenDoor>(0);
   const auto client = connect_tcp("127.0.0.1", server->port());
   put(*server, "x");
   EXPECT_EQ(get(*client, 1), "x");
@@ -451,7 +452,7 @@ TEST(TcpServerTest, TheClientSeesTheEnd) {
 // `printf S | nc -N` shuts its half at once. It was hung up before the answer was due, which is after
 // 3 s while a Fastrak saves.
 TEST(TcpServerTest, AClientThatSendsNoMoreGetsItsAnswerAndIsHungUpAfterThat) {
-  TcpServer server(0);
+  OpenDoor server(0);
   const auto client = connect_tcp("127.0.0.1", server.port());
   put(*client, "S");
   EXPECT_EQ(get(server, 1), "S");
@@ -480,7 +481,7 @@ TEST(TcpServerTest, AClientThatSendsNoMoreGetsItsAnswerAndIsHungUpAfterThat) {
 }
 
 TEST(TcpServerTest, ANewcomerTakesThePlaceOfAClientThatSendsNoMore) {
-  TcpServer server(0);
+  OpenDoor server(0);
   const auto first = connect_tcp("127.0.0.1", server.port());
   put(*first, "S");
   EXPECT_EQ(get(server, 1), "S");

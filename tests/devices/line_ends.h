@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <set>
 #include <span>
@@ -13,6 +14,7 @@
 #include <unistd.h>
 
 #include "devices/lines/byte_stream.h"
+#include "devices/lines/tcp.h"
 
 namespace headpin::devices {
 
@@ -61,6 +63,20 @@ class OtherInput {
 inline bool has_input() {
   return fcntl(STDIN_FILENO, F_GETFD) >= 0;
 }
+
+/// A server that looks for a newcomer whenever it is read or written.
+class OpenDoor : public TcpServer {
+ public:
+  using TcpServer::TcpServer;
+  std::size_t read(std::span<std::uint8_t> out) override {
+    renewed();
+    return TcpServer::read(out);
+  }
+  std::size_t write(Bytes bytes) override {
+    renewed();
+    return TcpServer::write(bytes);
+  }
+};
 
 inline std::size_t say(ByteStream& stream, std::string_view text) {
   return stream.write(Bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));

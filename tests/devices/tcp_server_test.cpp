@@ -26,7 +26,7 @@ namespace {
 
 // Output that it did not take counted as output, so that it kept the line for ever.
 TEST(TcpServerTest, AClientThatNeitherSendsNorReadsIsHungUp) {
-  TcpServer server(0);
+  OpenDoor server(0);
   const auto client = connect_tcp("127.0.0.1", server.port());
   ASSERT_EQ(::shutdown(client->descriptor(), SHUT_WR), 0);
   const std::vector<std::uint8_t> much(std::size_t{1} << 20U);  // more than a socket saves at once
@@ -222,24 +222,54 @@ TEST(TcpServerTest, AClientWhoseMachineHasNotAnsweredForTenSecondsGivesWay) {
   EXPECT_TRUE(gives_the_line_to_a_newcomer(*both.server));
 }
 
-// Two `printf P | nc -N` at a time: the second hung up the first one, whose bytes nobody had read.
-TEST(TcpServerTest, WhatAClientSentAsItsLastIsReadBeforeANewcomerTakesItsPlace) {
-  Connected both;
-  say(*both.client, "P");
-  ASSERT_EQ(::shutdown(both.client->descriptor(), SHUT_WR), 0);
+/// The client sends its last, and somebody comes who sends too.
+std::unique_ptr<ByteStream> come_behind_last_words(const Connected& both, std::string_view last) {
+  say(*both.client, last);
+  EXPECT_EQ(::shutdown(both.client->descriptor(), SHUT_WR), 0);
   pollfd end{both.server->descriptor(), POLLRDHUP, 0};
-  ASSERT_EQ(::poll(&end, 1, 10'000), 1);
-  const auto newcomer = connect_tcp("127.0.0.1", both.server->port());
+  EXPECT_EQ(::poll(&end, 1, 10'000), 1);
+  auto newcomer = connect_tcp("127.0.0.1", both.server->port());
   say(*newcomer, "S");
+  return newcomer;
+}
+
+// Two `printf P | nc -N` at a time: the second hung up the first one, whose bytes nobody had read, and then
+// got its answer. In the order of serve(), which reads again where a read brings all that it takes.
+TEST(TcpServerTest, ANewcomerWaitsUntilLastWordsAreReadAndAnswered) {
+  for (const std::size_t size : {1u, 512u}) {
+    Connected both;
+    const auto newcomer = come_behind_last_words(both, std::string(size, 'P'));
+    std::array<std::uint8_t, 512> bytes{};
+    EXPECT_FALSE(both.server->renewed());
+    const auto heard = std::chrono::steady_clock::now();
+    EXPECT_EQ(both.server->read(bytes), size);
+    EXPECT_EQ(both.server->read(bytes), 0u);
+    EXPECT_EQ(say(*both.server, "record"), 6u);
+    EXPECT_EQ(hear(*both.client, 6), "record");
+    while (!both.server->renewed()) ::poll(nullptr, 0, 1);
+    EXPECT_GE(std::chrono::steady_clock::now() - heard, std::chrono::milliseconds(100));
+    EXPECT_EQ(hear(*both.server, 1), "S");
+  }
+}
+
+TEST(TcpServerTest, WhatWasForAClientThatBrokeOffIsNotForTheNext) {
+  Connected both;
   EXPECT_FALSE(both.server->renewed());
-  EXPECT_EQ(say(*both.server, "record"), 6u);
-  EXPECT_EQ(hear(*both.client, 6), "record");
-  EXPECT_EQ(hear(*both.server, 2), "PS");
-  EXPECT_TRUE(both.server->renewed());
+  say(*both.server, "unread");
+  ASSERT_TRUE(has_news(both.client->descriptor()));
+  both.client.reset();  // this resets the connection
+  const auto newcomer = connect_tcp("127.0.0.1", both.server->port());
+  ASSERT_TRUE(has_news(both.server->descriptor()));
+  std::array<std::uint8_t, 8> bytes{};
+  EXPECT_EQ(both.server->read(bytes), 0u);
+  EXPECT_EQ(say(*both.server, "old"), 3u);
+  while (!both.server->renewed()) ::poll(nullptr, 0, 1);
+  EXPECT_EQ(say(*both.server, "new"), 3u);
+  EXPECT_EQ(hear(*newcomer, 3), "new");
 }
 
 TEST(TcpClientTest, WorksInAProgramWithoutStandardInput) {
-  TcpServer server(0);
+  OpenDoor server(0);
   const OtherInput none;
   {
     const auto client = connect_tcp("127.0.0.1", server.port());
