@@ -62,31 +62,43 @@ class OrdinarySteps {
   }
 
   /// As long as a usual step may be: longer in a slow recording, but not where few rows or a disorder look slow.
+  /// Rows of one time count as one.
   double longest_step(std::size_t rows) const {
     constexpr double kLongest_s = 0.1;
     std::vector<double> ahead;
+    std::size_t back = 0;
     for (std::size_t i = 1; i < rows; ++i) {
-      if (times_s_[i] >= times_s_[i - 1]) ahead.push_back(times_s_[i] - times_s_[i - 1]);
+      const double step = times_s_[i] - times_s_[i - 1];
+      if (step > 0.0) ahead.push_back(step);
+      if (step < 0.0) ++back;
     }
-    const std::size_t back = rows - 1 - ahead.size();
-    if (rows < kRows ? back > 0 || !are_whole(ahead) : 10 * back > rows) return kLongest_s;
+    const std::size_t times = ahead.size() + back + 1;
+    if (times < kTimes ? back > 0 || !are_whole(ahead, rows) : 10 * back > times) return kLongest_s;
     return std::max(kLongest_s, kMost * lower_quartile(ahead));
   }
 
-  /// Whether a few rows may be a slow recording of their own: their steps are even, and the twenty rows below them
-  /// are in order. Rows in turns begin again sooner.
-  bool are_whole(const std::vector<double>& steps) const {
+  /// Whether a few times may be a slow recording of their own: their steps are even, and the twenty times below
+  /// them are in order. Rows in turns begin again sooner.
+  bool are_whole(const std::vector<double>& steps, std::size_t rows) const {
     constexpr std::size_t kFewest = 6;
-    const std::size_t rows = steps.size() + 1;
-    if (rows < kFewest || times_s_.size() < rows + kRows) return false;
-    return std::ranges::is_sorted(times_s_.subspan(rows, kRows)) &&
+    return steps.size() + 1 >= kFewest && in_order(rows) >= kTimes &&
            std::ranges::max(steps) <= kMost * lower_quartile(steps);
+  }
+
+  /// How many times are in order from a row on.
+  std::size_t in_order(std::size_t row) const {
+    if (row == times_s_.size()) return 0;
+    std::size_t times = 1;
+    for (std::size_t i = row + 1; i < times_s_.size() && times_s_[i] >= times_s_[i - 1]; ++i) {
+      if (times_s_[i] > times_s_[i - 1]) ++times;
+    }
+    return times;
   }
 
   /// The lower quartile of the last twenty steps, as many others may lack a row; 0 where it is too long.
   double usual_step(std::size_t row) const {
     std::vector<double> steps;
-    for (std::size_t i = row - std::min(row, kRows) + 1; i <= row; ++i) {
+    for (std::size_t i = row - std::min(row, kTimes) + 1; i <= row; ++i) {
       const double step = times_s_[i] - times_s_[i - 1];
       if (step != 0.0) steps.push_back(step);
     }
@@ -119,7 +131,7 @@ class OrdinarySteps {
     return found >= kLeast && kMostRows * found >= among;
   }
 
-  static constexpr std::size_t kRows = 20;
+  static constexpr std::size_t kTimes = 20;
   static constexpr double kMost = 1.5;  // of the usual step
   std::span<const double> times_s_;
   std::size_t next_ = 1;

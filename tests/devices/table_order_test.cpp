@@ -283,5 +283,30 @@ TEST(TableOrder, OfAFewEvenRowsIsSaidByTwentyInOrderBelow) {
   EXPECT_EQ(starts_again(turns), Row());
 }
 
+// Where rows stand twice, as those of two objects do, half of the steps are 0, and none was found to be slow.
+TEST(TableOrder, OfRowsThatStandTwiceIsSaidByAsManyTimes) {
+  const auto twice = [](std::vector<double> times) {
+    for (std::size_t i = times.size(); i-- > 0;) {
+      times.insert(times.begin() + static_cast<std::ptrdiff_t>(i), times[i]);
+    }
+    return times;
+  };
+  for (const double step_s : {0.12, 0.2, 1.0}) {
+    for (const std::size_t rows : {10u, 19u, 20u, 40u}) {
+      const std::vector<double> first = twice(at_rate(0.0, rows, step_s));
+      const auto again = [&](std::size_t below) {
+        return starts_again(then(first, twice(at_rate(0.3 * step_s, below, step_s))));
+      };
+      EXPECT_EQ(again(20), Row(2 * rows)) << step_s << ' ' << rows;
+      EXPECT_EQ(again(19), rows < 20 ? Row() : Row(2 * rows)) << step_s << ' ' << rows;
+    }
+  }
+  const auto then_second = [&](std::size_t rows) {
+    return starts_again(then(twice(at_rate(0.0, rows, 0.2)), twice(at_rate(0.06, 40, 0.2))));
+  };
+  EXPECT_EQ(then_second(6), Row(12u));
+  EXPECT_EQ(then_second(5), Row());
+}
+
 }  // namespace
 }  // namespace headpin::devices
