@@ -434,32 +434,48 @@ TEST_F(Serve, AGuestIsToldWhereAnswersCannotBeStored) {
   EXPECT_THAT(slurp(folder_ / "said.txt"), HasSubstr("p001.csv"));
 }
 
+/// The sockets that a process has open.
+std::ptrdiff_t sockets_of(pid_t process) {
+  std::ptrdiff_t count = 0;
+  for (const auto& entry : fs::directory_iterator(fmt::format("/proc/{}/fd", process))) {
+    std::error_code gone;
+    if (fs::read_symlink(entry, gone).string().starts_with("socket:")) ++count;
+  }
+  return count;
+}
+
 // 500 are served at once; who comes then waits until some have gone.
 TEST_F(Serve, SilentConnectionsKeepNobodyOutAndLeaveNothingOpen) {
   start("paper-room -o games");
-  post(links_[0], "begin");
-  EXPECT_EQ(post(links_[0], "log?at=0", "a").status, 200);
-  const fs::path open = fmt::format("/proc/{}/fd", process_);
-  const auto count = [&] { return std::distance(fs::directory_iterator(open), {}); };
-  const auto before = count();
-  std::size_t size = 1;
-  for (const int many : {300, 560}) {
-    std::list<Connection> silent;
-    for (int i = 0; i < many; ++i) silent.emplace_back(port_);
-    if (many < 500) {
-      EXPECT_EQ(post(links_[0], fmt::format("log?at={}", size++), "b").status, 200);
-      EXPECT_GT(count(), before + 200);  // it was the last to come
-    }
-    EXPECT_LE(count(), before + 501);  // one may be about to be refused
-    silent.clear();
+  const std::ptrdiff_t before = sockets_of(process_);
+  const auto wait_until = [&](auto reached) {
     const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-    while (count() > before) {
-      ASSERT_LT(std::chrono::steady_clock::now(), patience) << count() << " are open";
+    while (!reached(sockets_of(process_) - before)) {
+      ASSERT_LT(std::chrono::steady_clock::now(), patience) << sockets_of(process_) << " are open";
       std::this_thread::yield();
     }
-    EXPECT_EQ(post(links_[0], fmt::format("log?at={}", size++), "c").status, 200);
-  }
-  EXPECT_EQ(slurp(folder_ / "games/guest-01.lcmlog"), "abcc");
+  };
+  const auto none = [](std::ptrdiff_t more) { return more == 0; };
+  post(links_[0], "begin");
+  EXPECT_EQ(post(links_[0], "log?at=0", "a").status, 200);
+  std::list<Connection> silent;
+  for (int i = 0; i < 300; ++i) silent.emplace_back(port_);
+  EXPECT_EQ(post(links_[0], "log?at=1", "b").status, 200);
+  EXPECT_GE(sockets_of(process_), before + 300);  // it was the last to come
+  silent.clear();
+  ASSERT_NO_FATAL_FAILURE(wait_until(none));
+  EXPECT_EQ(post(links_[0], "log?at=2", "c").status, 200);
+
+  for (int i = 0; i < 560; ++i) silent.emplace_back(port_);
+  ASSERT_NO_FATAL_FAILURE(wait_until([](std::ptrdiff_t more) { return more >= 499; }));
+  Connection late(port_);
+  EXPECT_TRUE(late.send(request("POST", links_[0] + "/log?at=3&key=" + kKey, "d")));
+  EXPECT_LE(sockets_of(process_), before + 501);  // one may be about to be refused
+  EXPECT_EQ(slurp(folder_ / "games/guest-01.lcmlog"), "abc");
+  silent.clear();
+  EXPECT_EQ(reply_of(late.rest()).status, 200);
+  ASSERT_NO_FATAL_FAILURE(wait_until(none));
+  EXPECT_EQ(slurp(folder_ / "games/guest-01.lcmlog"), "abcd");
   EXPECT_EQ(stop(), 0);
 }
 
