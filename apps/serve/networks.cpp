@@ -52,22 +52,10 @@ std::string towards_internet(int family) {
   return known ? networked(*address) : "";
 }
 
-std::vector<NetworkAddress> addresses_of(int family) {
-  ifaddrs* interfaces = nullptr;
-  if (getifaddrs(&interfaces) != 0) return {};
-  const std::string internet = towards_internet(family);
-  std::vector<NetworkAddress> all;
-  for (const ifaddrs* one = interfaces; one != nullptr; one = one->ifa_next) {
-    if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != family) continue;
-    const std::string text = networked(*one->ifa_addr);
-    if (text.empty()) continue;
-    const bool tunnel = (one->ifa_flags & IFF_POINTOPOINT) != 0;
-    std::error_code none;
-    const auto card = std::filesystem::path("/sys/class/net") / one->ifa_name / "device";
-    all.push_back({text, text == internet && !tunnel, std::filesystem::exists(card, none)});
-  }
-  freeifaddrs(interfaces);
-  return all;
+bool is_network_card(const std::string& interface) {
+  std::error_code none;
+  return std::filesystem::exists(std::filesystem::path("/sys/class/net") / interface / "device",
+                                 none);
 }
 
 }  // namespace
@@ -80,10 +68,31 @@ std::string best_known(const std::vector<NetworkAddress>& all) {
   return best == all.end() ? "" : best->text;
 }
 
+std::vector<NetworkAddress> addresses_of(const ifaddrs* interfaces, int family,
+                                         const std::string& internet,
+                                         const std::function<bool(const std::string&)>& is_card) {
+  constexpr unsigned kRuns = IFF_UP | IFF_RUNNING;
+  std::vector<NetworkAddress> all;
+  for (const ifaddrs* one = interfaces; one != nullptr; one = one->ifa_next) {
+    if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != family) continue;
+    if ((one->ifa_flags & kRuns) != kRuns) continue;
+    const std::string text = networked(*one->ifa_addr);
+    if (text.empty()) continue;
+    const bool tunnel = (one->ifa_flags & IFF_POINTOPOINT) != 0;
+    all.push_back({text, text == internet && !tunnel, is_card(one->ifa_name)});
+  }
+  return all;
+}
+
 std::string reachable(const std::string& bound) {
   const bool all_v4 = bound == "0.0.0.0", all_v6 = bound == "::";
   if (!all_v4 && !all_v6) return bound;
-  const std::string found = best_known(addresses_of(all_v4 ? AF_INET : AF_INET6));
+  const int family = all_v4 ? AF_INET : AF_INET6;
+  ifaddrs* interfaces = nullptr;
+  if (getifaddrs(&interfaces) != 0) return bound;
+  const std::string found =
+      best_known(addresses_of(interfaces, family, towards_internet(family), is_network_card));
+  freeifaddrs(interfaces);
   return found.empty() ? bound : found;
 }
 

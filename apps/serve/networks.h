@@ -1,7 +1,10 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
+
+struct ifaddrs;  // of <ifaddrs.h>
 
 namespace headpin::apps {
 
@@ -17,6 +20,16 @@ struct NetworkAddress {
 ///
 /// @return  empty without any
 std::string best_known(const std::vector<NetworkAddress>& all);
+
+/// The addresses of a family that other machines may reach, of interfaces that run: a cable that is unplugged
+/// keeps its address.
+///
+/// @param interfaces  as getifaddrs() tells them
+/// @param internet    the address towards the internet; empty for none
+/// @param is_card     whether the interface of a name is a network card
+std::vector<NetworkAddress> addresses_of(const ifaddrs* interfaces, int family,
+                                         const std::string& internet,
+                                         const std::function<bool(const std::string&)>& is_card);
 
 /// Of 0.0.0.0 and ::, the best known address of this machine; of others, themselves.
 std::string reachable(const std::string& bound);
