@@ -223,7 +223,7 @@ TEST_F(Outputs, FramesNameNothingBeforeAllIsWritten) {
   const std::string command = "cd '" + folder_.string() + "' && PATH=\"$PWD/bin:$PATH\" '" +
                               HEADPIN_PROGRAM + "' frames " + kDemo +
                               " --frames 3 --force -o drawn --video stereo.mkv --y4m stereo.y4m" +
-                              " --sound heard.wav --cameras seen.json >out.txt 2>err.txt";
+                              " --cameras seen.json >out.txt 2>err.txt";
   EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
   EXPECT_THAT(slurp(folder_ / "err.txt"), HasSubstr("ffmpeg has stopped"));
   EXPECT_EQ(everything(), before);

@@ -73,7 +73,9 @@ TEST_F(PlannedInPlace, AStudyWithItsDesignQuestionnaireAndScenario) {
 
 TEST_F(PlannedInPlace, ASweepWithItsTrials) {
   bring("trials/demo.lcmlog", "mine/one.lcmlog");
-  bring("trials/demo.lcmlog", "mine/recorded/two.lcmlog");
+  fs::create_directories(folder_ / "mine/recorded");
+  fs::copy_file(HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-13.lcmlog",
+                folder_ / "mine/recorded/two.lcmlog");
   spit(folder_ / "mine/my-sweep.toml",
        "trials = ['one.lcmlog', 'recorded/two.lcmlog']\n[grid]\nelasticity = [0.5, 0.7]\n");
   const std::string command = "sweep plan mine/my-sweep.toml -o mine";
