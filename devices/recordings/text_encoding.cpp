@@ -40,6 +40,16 @@ Utf8Text as_utf8(std::string text) {
   return out;
 }
 
+std::string beginning(const std::string& text, std::size_t most) {
+  constexpr std::size_t kLongestLetter = 4;
+  const auto goes_on = [&](std::size_t at) {
+    return at < text.size() && (static_cast<unsigned char>(text[at]) & 0xc0U) == 0x80U;
+  };
+  std::size_t end = most;
+  while (end > 0 && most - end < kLongestLetter && goes_on(end)) --end;
+  return text.substr(0, end);
+}
+
 std::string read_as_utf8(const std::string& path, std::size_t most) {
   Utf8Text read = as_utf8(base::read_text(path, most));
   if (!read.whole) {

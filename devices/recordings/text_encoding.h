@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -14,6 +15,9 @@ struct Utf8Text {
   bool whole = true;  ///< nothing was damaged
 };
 Utf8Text as_utf8(std::string text);
+
+/// The beginning of a text in UTF-8, of at most `most` bytes, without a part of a letter at its end.
+std::string beginning(const std::string& text, std::size_t most);
 
 /// The text of a file in UTF-8.
 /// @throws std::runtime_error  when it cannot be read or has more than `most` bytes; for UTF-16 that

@@ -11,6 +11,8 @@
 
 #include <fmt/format.h>
 
+#include "devices/recordings/text_encoding.h"
+
 namespace headpin::devices {
 namespace {
 
@@ -88,11 +90,15 @@ double real_in(const std::string& text) {
   return number;
 }
 
-/// Samples a second; nothing for a text that is none.
+/// Samples a second, with or without "Hz"; nothing for a text that is none.
 std::optional<double> rate_in(const std::string& text) {
   double rate = 0.0;
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), rate);
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, rate);
   if (read.ec != std::errc{} || !std::isfinite(rate) || rate < 0.0) return std::nullopt;
+  const std::string_view rest(read.ptr, static_cast<std::size_t>(end - read.ptr));
+  const std::string_view unit = rest.substr(std::min(rest.find_first_not_of(' '), rest.size()));
+  if (!unit.empty() && unit != "Hz") return std::nullopt;
   return rate;
 }
 
@@ -106,10 +112,10 @@ XdfStream stream_of(std::uint32_t id, const XmlElement& info) {
   const double count = real_in(info.text_at({"channel_count"}));
   if (!(count >= 1.0 && count <= kMostChannels)) {
     throw BadChunk(fmt::format("expected 1 to {} channels, found '{}'", kMostChannels,
-                               info.text_at({"channel_count"}).substr(0, 20)));
+                               beginning(info.text_at({"channel_count"}), 20)));
   }
   if (!size_of(stream.format)) {
-    throw BadChunk(fmt::format("unknown channel_format '{}'", stream.format.substr(0, 20)));
+    throw BadChunk(fmt::format("unknown channel_format '{}'", beginning(stream.format, 20)));
   }
   stream.channels.resize(static_cast<std::size_t>(count));
   const XmlElement* described = info.find({"desc", "channels"});
@@ -222,12 +228,13 @@ class XdfReader {
     if (places_.contains(id)) throw BadChunk(fmt::format("stream {} has begun before", id));
     if (places_.size() == kMostStreams) throw BadChunk("too many streams");
     const XmlElement info = xml_of(in);
-    file_.streams.push_back(stream_of(id, info));
-    if (const std::string rate = info.text_at({"nominal_srate"}); !rate.empty() && !rate_in(rate)) {
+    XdfStream& stream = file_.streams.emplace_back(stream_of(id, info));
+    stream.kept = wanted_(stream);
+    const std::string rate = info.text_at({"nominal_srate"});
+    if (stream.kept && !rate.empty() && !rate_in(rate)) {
       note(fmt::format("stream '{}': expected a nominal_srate of 0 or more, found '{}': taken as 0",
-                       file_.streams.back().name.substr(0, 40), rate.substr(0, 20)));
+                       beginning(stream.name, 40), beginning(rate, 20)));
     }
-    file_.streams.back().kept = wanted_(file_.streams.back());
     places_[id] = {file_.streams.size() - 1, 0.0};
   }
 

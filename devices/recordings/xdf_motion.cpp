@@ -11,6 +11,7 @@
 
 #include "devices/recordings/marker_file.h"
 #include "devices/recordings/table_motion.h"
+#include "devices/recordings/text_encoding.h"
 #include "devices/recordings/text_table.h"
 #include "devices/recordings/xdf_clock.h"
 
@@ -107,8 +108,8 @@ bool may_be_motion(const XdfStream& stream, const MotionOptions& options) {
 }
 
 std::string said_of(const XdfStream& stream) {
-  return fmt::format("'{}' ({}{}{} channel{})", stream.name.substr(0, 40),
-                     stream.type.substr(0, 20), stream.type.empty() ? "" : ", ",
+  return fmt::format("'{}' ({}{}{} channel{})", beginning(stream.name, 40),
+                     beginning(stream.type, 20), stream.type.empty() ? "" : ", ",
                      stream.channels.size(), stream.channels.size() == 1 ? "" : "s");
 }
 

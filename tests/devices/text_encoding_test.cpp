@@ -2,6 +2,7 @@
 
 #include "devices/recordings/text_encoding.h"
 
+#include <array>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -61,6 +62,14 @@ TEST(TextEncoding, OfDamagedUtf16IsConvertedUpToTheDamage) {
       EXPECT_EQ(read_as_utf8(folder / "t.csv", 1000), read.text);
     }
   }
+}
+
+TEST(TextEncoding, ABeginningEndsWithAWholeLetter) {
+  const std::string text = "aä€😀";  // of 1, 2, 3 and 4 bytes
+  const auto bytes = [&](std::size_t most) { return beginning(text, most).size(); };
+  const std::array<std::size_t, 12> whole = {0, 1, 1, 3, 3, 3, 6, 6, 6, 6, 10, 10};
+  for (std::size_t most = 0; most < whole.size(); ++most) EXPECT_EQ(bytes(most), whole[most]);
+  EXPECT_EQ(beginning(std::string(50, '\x80'), 20).size(), 16u);  // no UTF-8
 }
 
 }  // namespace

@@ -214,5 +214,40 @@ TEST(XdfFile, WhatAFooterSaysIsNotUsed) {
   }
 }
 
+/// A file with a stream that has this name and tells this rate.
+std::string of_a_rate(const std::string& name, const std::string& rate) {
+  const std::string info = "<info><name>" + name + "</name><channel_count>1</channel_count>" +
+                           "<nominal_srate>" + rate +
+                           "</nominal_srate><channel_format>int8</channel_format></info>";
+  return xdf::begin() + xdf::chunk(2, xdf::bytes(std::uint32_t{1}) + info) + xdf::footer(1);
+}
+
+// It was read as the number before it: 100 of 100,5.
+TEST(XdfFile, ARateIsANumberAndNothingElse) {
+  for (const std::string none : {"100,5", "60fast", "60 fast", "1e3x", "4.0 Hz?"}) {
+    const XdfFile file = read_all_streams(of_a_rate("s", none));
+    EXPECT_EQ(file.streams.at(0).rate_hz, 0.0) << none;
+    EXPECT_THAT(file.notes, ElementsAre(HasSubstr("found '" + none + "': taken as 0"))) << none;
+  }
+  for (const std::string rate : {"100.5", " 100.5 ", "100.5Hz", "1.005e2 Hz"}) {
+    const XdfFile file = read_all_streams(of_a_rate("s", rate));
+    EXPECT_EQ(file.streams.at(0).rate_hz, 100.5) << rate;
+    EXPECT_THAT(file.notes, IsEmpty()) << rate;
+  }
+}
+
+TEST(XdfFile, ARateThatIsNoneIsToldOnlyOfAStreamThatIsWanted) {
+  const std::string file = of_a_rate("s", "fast");
+  EXPECT_THAT(read_xdf(bytes_in(file), "x.xdf", [](const XdfStream&) { return false; }).notes,
+              IsEmpty());
+}
+
+TEST(XdfFile, NamesAndRatesInANoteEndWithAWholeLetter) {
+  const std::string name = std::string(39, 'n') + "ä", rate = "x" + std::string(18, 'r') + "€";
+  EXPECT_THAT(read_all_streams(of_a_rate(name, rate)).notes,
+              ElementsAre(testing::AllOf(HasSubstr("'" + std::string(39, 'n') + "':"),
+                                         HasSubstr("'x" + std::string(18, 'r') + "':"))));
+}
+
 }  // namespace
 }  // namespace headpin::devices
