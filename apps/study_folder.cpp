@@ -267,8 +267,15 @@ StudyLock::~StudyLock() {
 }
 
 std::optional<int> run_number(std::string_view name) {
-  const std::string_view number = name.substr(std::string_view("run-").size());
-  return study::whole_in(number.substr(0, number.find_first_not_of("0123456789")));
+  constexpr int kMost = 999'999;
+  constexpr std::string_view kDigits = "0123456789";
+  const std::string_view rest = name.substr(std::string_view("run-").size());
+  const std::size_t end = std::min(rest.find_first_not_of(kDigits), rest.size());
+  const std::optional<int> number = study::whole_in(rest.substr(0, end));
+  const std::string_view behind = rest.substr(end);
+  const bool date = behind.size() > 1 && std::string_view("-_.").find(behind[0]) != behind.npos &&
+                    kDigits.find(behind[1]) != behind.npos;
+  return date || number > kMost ? std::nullopt : number;
 }
 
 std::vector<Run> runs_of(const Study& study, const std::string& id) {
@@ -277,7 +284,7 @@ std::vector<Run> runs_of(const Study& study, const std::string& id) {
   for (const fs::path& path : entries_of(study.at.sessions(id))) {
     if (is_run(path)) paths.push_back(path);
   }
-  // run-100 behind run-99, and a copy of run-01 between it and run-02.
+  // run-100 behind run-99, a copy of run-01 between it and run-02, and other names at the end.
   std::ranges::sort(paths, {}, [](const fs::path& path) {
     const std::string name = path.stem().string();
     return std::pair(run_number(name).value_or(std::numeric_limits<int>::max()), name);

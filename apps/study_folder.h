@@ -112,10 +112,12 @@ struct Run {
   bool done() const { return complete && both && not_planned.empty(); }
 };
 
-/// The number of a run of this name: 7 of "run-07" and of "run-07 copy"; none of "run-x".
+/// The number of a run of this name: 7 of "run-07" and of "run-07 copy"; none of names of one's own, as "run-x",
+/// "run-2026-11-30", or with a number above 999999.
 std::optional<int> run_number(std::string_view name);
 
-/// All recordings of a participant of the plan, in order of time: by their numbers, a copy behind its run.
+/// All recordings of a participant of the plan, in order of time: by their numbers, a copy behind its run. Those
+/// without a number are at the end.
 std::vector<Run> runs_of(const Study& study, const std::string& id);
 
 /// Why a recording does not count: "cut off"; empty for one that may count.

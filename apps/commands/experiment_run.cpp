@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <memory>
@@ -132,12 +133,18 @@ std::string trial_in(const std::vector<std::string>& sources) {
   return {};
 }
 
-/// Says that the last session began with the wrong button. It counts all the same.
-void say_other_order(const Study& study, const study::PlannedParticipant& who) {
-  const std::vector<Run> runs = runs_of(study, who.id);
-  if (runs.empty() || !began_otherwise(study, who, runs.back())) return;
+/// The run that was just recorded; nothing where its file is gone.
+std::optional<Run> recorded(const Study& study, const std::string& id, const NextRun& run) {
+  const std::vector<Run> runs = runs_of(study, id);
+  const auto found = std::ranges::find(runs, fs::path(run.path()), &Run::path);
+  return found == runs.end() ? std::nullopt : std::optional(*found);
+}
+
+/// Says that a session began with the wrong button. It counts all the same.
+void say_other_order(const Study& study, const study::PlannedParticipant& who, const Run& run) {
+  if (!began_otherwise(study, who, run)) return;
   say("{}: {}: began with the {} version, in another order than planned\n", kCommand,
-      printable(runs.back().path.string()), runs.back().first);
+      printable(run.path.string()), run.first);
 }
 
 void run_live(const Study& study, const study::PlannedParticipant& who, const RunOptions& options,
@@ -158,7 +165,7 @@ void run_live(const Study& study, const study::PlannedParticipant& who, const Ru
   say("headpin experiment run: {} touches the {} button first, then the {} one\n", who.id,
       red ? "red" : "blue", red ? "blue" : "red");
   go_live(live);
-  say_other_order(study, who);
+  if (const auto played = recorded(study, who.id, run)) say_other_order(study, who, *played);
 }
 
 void run_one(const Study& study, const RunOptions& options) {
@@ -176,8 +183,9 @@ void run_one(const Study& study, const RunOptions& options) {
   const PlayedSession session = options.is_virtual
                                     ? play_virtual(study, who, run.path(), each_tick)
                                     : play_trial(study, who, options.trial, run.path(), each_tick);
-  const bool is_virtual = runs_of(study, who.id).back().is_virtual;
-  say_other_order(study, who);
+  const std::optional<Run> played = recorded(study, who.id, run);
+  const bool is_virtual = played && played->is_virtual;
+  if (played) say_other_order(study, who, *played);
   if (options.json) return print_json(to_json(who.id, is_virtual, session));
   print_session(who.id, is_virtual, session);
 }

@@ -469,5 +469,28 @@ TEST_F(StudyPeople, ACopyOfARunComesBetweenItAndTheNextRun) {
   EXPECT_EQ(counts(), "run-04");
 }
 
+// They come behind all runs with numbers, and were taken for the session that had just been played.
+TEST_F(StudyPeople, RunsWithNamesOfOnesOwnAreNoneOfANumberNorTheLastOne) {
+  plan(4);
+  int others = 0;
+  for (int i = 0; i < 4; ++i) {
+    const std::string who = fmt::format("p00{}", i + 1);
+    const fs::path runs = folder_ / "study/sessions" / who;
+    fs::create_directories(runs);
+    for (const char* name : {"copy", "2026-11-30", "20261130", "2147483647", "99999999999"}) {
+      spit(runs / fmt::format("run-{}.lcmlog", name), "");
+    }
+    const Result run = headpin("experiment run study --trial t.lcmlog --participant " + who);
+    const auto told = json("experiment status study --json")["participants"][i];
+    EXPECT_EQ(told["run"], "run-01");
+    const bool other = told["in_other_order"];
+    EXPECT_EQ(run.err.find("run-01.lcmlog: began with the red") != run.err.npos, other) << run.err;
+    others += other ? 1 : 0;
+    fs::remove(runs / "run-01.lcmlog");
+    EXPECT_EQ(json("experiment run study --virtual --json --participant " + who)["virtual"], true);
+  }
+  EXPECT_GT(others, 0);
+}
+
 }  // namespace
 }  // namespace headpin
