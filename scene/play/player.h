@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "devices/base/resample.h"
-#include "scene/record/details.h"
 #include "scene/play/tick.h"
 #include "scene/play/walk.h"
+#include "scene/record/details.h"
 #include "scene/stage/stage.h"
 
 /// The player: poses of head and hand, and the body in the hand.
