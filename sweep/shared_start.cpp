@@ -64,12 +64,12 @@ Run SharedStart::run_of(const std::string& text, const Begin& begin,
   if (!start.first_touch || versions) return run;
   if (!start.run) {
     Run first = run;
-    first.session.player.motions = std::make_shared<scene::HandMotions>();
     while (first.session.tick + 1 < *start.first_touch) {
       check();
       scene::advance(first.session, first.source);
       first.sum.tick(first.session);
     }
+    first.session.player.known = std::make_shared<scene::HandVelocities>();
     start.run = std::move(first);
   }
   std::shared_ptr<const scene::Stage> stage = run.session.stage;

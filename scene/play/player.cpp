@@ -87,14 +87,6 @@ Motion hand_motion(const Player& player, const Scenario& scenario, const Vec3& p
   return motion;
 }
 
-/// The same at the time of a tick, for the grip or for the hand's own place.
-Motion hand_motion_now(const Player& player, const Scenario& scenario, bool of_grip, Time now) {
-  const auto find = [&] {
-    return hand_motion(player, scenario, of_grip ? scenario.hand.grip : Vec3::Zero(), now);
-  };
-  return player.motions ? player.motions->at(now, of_grip, find) : find();
-}
-
 /// State of the carried body at a time, and how its motion is known.
 struct Carried {
   engine::State state;
@@ -110,9 +102,7 @@ Carried in_hand(const Player& player, const Hand& hand, const Pose& X_WH, const 
 Carried carried(const Player& player, const Scenario& scenario, Time time, Time now) {
   const Hand& hand = scenario.hand;
   const Pose X_WH = *hand_at(player, time, now);
-  const Motion motion = time == now ? hand_motion_now(player, scenario, true, now)
-                                    : hand_motion(player, scenario, hand.grip, time);
-  return in_hand(player, hand, X_WH, motion);
+  return in_hand(player, hand, X_WH, hand_motion(player, scenario, hand.grip, time));
 }
 
 /// Rules 1 to 10 left impossible samples out of the velocity alone: the body left from where such a
@@ -316,7 +306,10 @@ void place_hand(Player& player, const Tick& tick, Time now) {
     return engine::set_state(tick.world, body, {kAway, Vec3::Zero(), Vec3::Zero()});
   }
   const Hand& hand = tick.stage.scenario.hand;
-  const Twist V_WH = hand_motion_now(player, tick.stage.scenario, false, now).V_WB;
+  const auto find = [&] {
+    return hand_motion(player, tick.stage.scenario, Vec3::Zero(), now).V_WB;
+  };
+  const Twist V_WH = player.known ? player.known->at(now, find) : find();
   const engine::State state{*X_WH, V_WH.v, V_WH.w};
   const double dt = engine::step_seconds(tick.world);
   engine::set_state(tick.world, body, at_trigger(hand) ? ending_at(state, dt) : state);

@@ -5,13 +5,11 @@
 #include <mutex>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "devices/base/resample.h"
 #include "scene/play/tick.h"
 #include "scene/play/walk.h"
-#include "scene/record/details.h"
 #include "scene/stage/stage.h"
 
 /// The player: poses of head and hand, and the body in the hand.
@@ -23,27 +21,26 @@ struct Held {
   Quat q_HB = Quat::Identity();  ///< its orientation in the hand since the grab
 };
 
-/// Motions of the hand, each found once for all sessions with the same samples, rig and hand.
-class HandMotions {
+/// Velocities of the hand at the times of ticks, each found once for all sessions with the same samples, walk, rig
+/// and hand.
+class HandVelocities {
  public:
-  /// The motion of the grip, or of the hand's own place, at the time of a tick; by `find` where no session has
-  /// asked for it yet.
+  /// V_WH at a time; by `find` where no session has asked for it yet.
   template <typename F>
-  Motion at(Time time, bool of_grip, F&& find) {
-    const std::pair key(time, of_grip);
+  Twist at(Time time, F&& find) {
     {
       const std::lock_guard lock(mutex_);
-      if (const auto known = known_.find(key); known != known_.end()) return known->second;
+      if (const auto known = known_.find(time); known != known_.end()) return known->second;
     }
-    const Motion found = find();
+    const Twist found = find();
     const std::lock_guard lock(mutex_);
-    known_.emplace(key, found);
+    known_.emplace(time, found);
     return found;
   }
 
  private:
   std::mutex mutex_;
-  std::map<std::pair<Time, bool>, Motion> known_;
+  std::map<Time, Twist> known_;
 };
 
 /// The state of the player, from the samples.
@@ -59,7 +56,7 @@ struct Player {
   std::optional<Time> grip_changed;       ///< tick of the last grab or release
   std::optional<engine::BodyId> leaving;  ///< body that was released and still touches the hand
   ReleaseChange release_change;           ///< of every release, after that of the scenario
-  std::shared_ptr<HandMotions> motions;   ///< null, or shared with sessions of the same samples
+  std::shared_ptr<HandVelocities> known;  ///< null, or shared by sessions with the same samples
 };
 
 /// X_PS: pose of a sensor in the tracked space, which is the world until the player walks.

@@ -74,5 +74,35 @@ TEST(SharedStart, IsThatOfRowsThatDifferInWhatActsAtTouchesAlone) {
   EXPECT_NE(text_of_others(3, keys, {"a", "b", "c"}), text_of_others(4, keys, {"a", "b", "c"}));
 }
 
+// The hand is a body of the state. In the other trial its player walks.
+TEST(SharedStart, HandsMoveAlikeWhereTheirVelocitiesAreKnown) {
+  for (const bool walks : {false, true}) {
+    std::vector<devices::Sample> samples = trials()[0].samples;
+    for (devices::Sample& sample : samples) {
+      auto* const button = std::get_if<devices::MouseSample>(&sample);
+      if (button) button->left_thumb = walks;
+    }
+    const auto hash_with = [&](const std::shared_ptr<scene::HandVelocities>& known) {
+      scene::Session session = scene::make_session(trials()[0].scenario);
+      session.player.known = known;
+      devices::ReplaySource source(samples);
+      while (session.now() < trials()[0].summary.end) scene::advance(session, source);
+      return session.state_hash;
+    };
+    const std::uint64_t alone = hash_with(nullptr);
+    const auto known = std::make_shared<scene::HandVelocities>();
+    EXPECT_EQ(hash_with(known), alone);
+    EXPECT_EQ(hash_with(known), alone);
+    int found = 0;
+    const auto find = [&] {
+      ++found;
+      return Twist{};
+    };
+    known->at(Time{7'000'000}, find);
+    known->at(Time{7'000'000}, find);
+    EXPECT_LE(found, 1);
+  }
+}
+
 }  // namespace
 }  // namespace headpin::sweep
