@@ -1,5 +1,6 @@
 #include "devices/lines/tcp.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
@@ -21,10 +22,10 @@ namespace {
 constexpr int kSocketBuffer = 4096;
 
 /// A client that has said that it sends no more stays this long after the last bytes for it: longer
-/// than a Fastrak saves (3 s), which answers afterwards.
+/// than a Fastrak saves (3 s), which answers afterwards. A newcomer waits no longer after that word.
 constexpr std::chrono::seconds kLastAnswer{4};
 
-/// A newcomer leaves it the line for this long after its last words, so that their answer is sent.
+/// A newcomer leaves it the line for this long after its last words and each part of their answer.
 constexpr std::chrono::milliseconds kAnswer{100};
 
 [[noreturn]] void fail_tcp(const std::string& what) {
@@ -92,12 +93,17 @@ void notice_death(int fd) {
   set(IPPROTO_TCP, TCP_KEEPCNT, 3);
 }
 
+/// Whether the peer of a socket sends no more.
+bool has_ended(int fd) {
+  pollfd state{fd, POLLRDHUP, 0};
+  return ::poll(&state, 1, 0) == 1;
+}
+
 /// Whether the peer of a socket has closed it, or its machine has given no sign of life for a while:
 /// a living one that does not read may be asked for a minute apart only, but leaves nothing unanswered.
 bool has_left(int fd) {
   constexpr std::uint32_t kLong = 10'000;  // ms
-  pollfd state{fd, POLLRDHUP, 0};
-  if (::poll(&state, 1, 0) == 1) return true;
+  if (has_ended(fd)) return true;
   tcp_info info{};
   socklen_t size = sizeof info;
   return getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) == 0 &&
@@ -194,7 +200,14 @@ TcpServer::~TcpServer() {
 void TcpServer::hang_up() {
   if (client_ >= 0) ::close(client_);
   client_ = -1;
-  sends_no_more_ = false;
+  end_.reset();
+}
+
+bool TcpServer::is_answered() {
+  if (!has_ended(client_)) return false;
+  const auto now = std::chrono::steady_clock::now();
+  if (!end_) end_ = now;
+  return now - std::max(last_heard_, last_taken_) < kAnswer && now - *end_ < kLastAnswer;
 }
 
 bool TcpServer::renewed() {
@@ -202,8 +215,7 @@ bool TcpServer::renewed() {
   if (::poll(&door, 1, 0) != 1)
     return false;  // before the client is looked at, which may leave now
   const bool leaves = client_ >= 0 && has_left(client_);
-  const bool answered = std::chrono::steady_clock::now() - last_heard_ >= kAnswer;
-  if (leaves && (has_unread(client_) || !answered)) return false;  // a newcomer waits
+  if (leaves && (has_unread(client_) || is_answered())) return false;  // a newcomer waits
   const int newcomer = accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
   if (newcomer < 0) return false;
   if (client_ >= 0 && !leaves) {
@@ -219,16 +231,12 @@ bool TcpServer::renewed() {
 
 std::size_t TcpServer::read(std::span<std::uint8_t> out) {
   if (client_ < 0) return 0;
-  if (sends_no_more_) {
-    if (std::chrono::steady_clock::now() - last_offered_ > kLastAnswer) hang_up();
-    return 0;
-  }
+  const auto now = std::chrono::steady_clock::now();
   const Received received = receive_some(client_, out);
-  if (received.gone) hang_up();
-  if (received.size > 0) last_heard_ = std::chrono::steady_clock::now();
-  if (received.end) {
-    sends_no_more_ = true;
-    last_offered_ = std::chrono::steady_clock::now();
+  if (received.size > 0) last_heard_ = now;
+  if (received.end && !end_) end_ = now;
+  if (received.gone || (received.end && now - std::max(last_taken_, *end_) > kLastAnswer)) {
+    hang_up();
   }
   return received.size;
 }
@@ -237,7 +245,7 @@ std::size_t TcpServer::write(Bytes bytes) {
   if (client_ < 0 || bytes.empty()) return bytes.size();
   bool gone = false;
   const std::size_t n = send_some(client_, bytes, &gone);
-  if (n > 0) last_offered_ = std::chrono::steady_clock::now();
+  if (n > 0) last_taken_ = std::chrono::steady_clock::now();
   if (gone) hang_up();
   return gone ? bytes.size() : n;
 }

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -24,7 +25,8 @@ std::unique_ptr<ByteStream> connect_tcp(
 ///
 /// Bytes that are written while no client is connected are lost. A client that has shut its sending
 /// half, as `printf S | nc -N` does, still gets its answers: it is hung up when nothing was written
-/// for 4 s, or when a newcomer takes its place, who waits until all that it sent has been read for 0.1 s.
+/// for 4 s, or when a newcomer takes its place, who waits until nothing was read from it nor taken by it
+/// for 0.1 s: an answer is sent whole, but a stream keeps a newcomer waiting for 4 s only.
 class TcpServer : public ByteStream {
  public:
   /// @param port     0 for any free one
@@ -48,16 +50,19 @@ class TcpServer : public ByteStream {
   bool renewed() override;
   bool closed() const override { return false; }
   /// The client's while it may send.
-  int descriptor() const override { return client_ >= 0 && !sends_no_more_ ? client_ : listener_; }
+  int descriptor() const override { return client_ >= 0 && !end_ ? client_ : listener_; }
 
  private:
   void hang_up();
+  /// Whether the client sends no more, and an answer to what it sent is under way or due.
+  bool is_answered();
 
+  using TimePoint = std::chrono::steady_clock::time_point;
   int listener_ = -1;
   int client_ = -1;
-  bool sends_no_more_ = false;                            ///< the client
-  std::chrono::steady_clock::time_point last_offered_{};  ///< when it last took bytes
-  std::chrono::steady_clock::time_point last_heard_{};    ///< when bytes were last read
+  std::optional<TimePoint> end_;  ///< since when it is known that the client sends no more
+  TimePoint last_taken_{};        ///< when it last took bytes
+  TimePoint last_heard_{};        ///< when bytes were last read
   std::string address_;
   int port_ = 0;
 };

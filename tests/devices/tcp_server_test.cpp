@@ -301,5 +301,37 @@ TEST(TcpServerTest, WorksInAProgramWithoutStandardInput) {
   EXPECT_FALSE(has_input());
 }
 
+// Of the 55 bytes that answer `S`, at 2400 baud, 22 came where a newcomer waited.
+TEST(TcpServerTest, ANewcomerWaitsForAnAnswerOfALongTimeButNotForAStreamWithoutEnd) {
+  using Clock = std::chrono::steady_clock;
+  constexpr auto kPause = std::chrono::milliseconds(100);  // after which a newcomer may come
+  for (const bool ends : {true, false}) {
+    Connected both;
+    const auto newcomer = come_behind_last_words(both, "S");
+    const auto begin = Clock::now();
+    auto last = begin;
+    EXPECT_EQ(hear(*both.server, 1), "S");
+    std::array<std::uint8_t, 8> bytes{};
+    EXPECT_EQ(both.server->read(bytes), 0u);
+    bool renewed = false;
+    while (!ends || last - begin < 10 * kPause) {
+      renewed = both.server->renewed();
+      const auto now = Clock::now();
+      if (renewed && now - last < kPause) {  // else this process was kept waiting itself
+        EXPECT_FALSE(ends) << "cut off";
+        EXPECT_GE(now - begin, std::chrono::seconds(4)) << "cut off";
+      }
+      if (renewed) break;
+      ASSERT_LT(now - begin, std::chrono::seconds(60)) << "keeps the line for ever";
+      last = Clock::now();
+      ASSERT_EQ(say(*both.server, "r"), 1u);
+      ASSERT_EQ(hear(*both.client, 1), "r");
+      ::poll(nullptr, 0, 1);
+    }
+    while (!renewed) renewed = both.server->renewed();
+    EXPECT_EQ(hear(*both.server, 1), "S");
+  }
+}
+
 }  // namespace
 }  // namespace headpin::devices
