@@ -281,7 +281,7 @@ void plan_study(const PlanOptions& options) {
   if (options.design_given && !fs::exists(at.plan()) && !fs::is_symlink(at.design())) {
     check_not_from(at.design(), {bundled("designs", options.design)});  // not a study's own
   }
-  const StudyLock lock(at.design(), "planning this study");
+  const StudyLock lock(at.root, "planning this study");
   base::remove_left_parts(at.root.string());
   Study study = open_study(at.root.string(), IfNoPlan::empty);
   refuse_other_design(study, options);

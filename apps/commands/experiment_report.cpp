@@ -40,7 +40,7 @@ std::optional<fs::path> page_of(const Study& study, const study::Person& person)
 /// Writes the missing pages of sessions.
 void write_pages(const Study& study, const std::vector<study::Person>& people,
                  const std::optional<std::string>& page_to_fill) {
-  const StudyLock lock(study.at.design(), "writing the pages of this study");
+  const StudyLock lock(study.at.root, "writing the pages of this study");
   Progress progress("participants", static_cast<std::int64_t>(people.size()));
   for (std::size_t i = 0; i < people.size(); ++i) {
     progress.show(static_cast<std::int64_t>(i));

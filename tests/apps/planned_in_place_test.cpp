@@ -206,5 +206,30 @@ TEST_F(PlannedInPlace, AStudyThatCannotBePlayedGetsNoPlan) {
   EXPECT_EQ(slurp(folder_ / "mine/plan.csv"), plan);
 }
 
+// Studies whose designs are links to one file locked each other out.
+TEST_F(PlannedInPlace, StudiesThatShareADesignAreLockedApart) {
+  fs::copy_file(HEADPIN_SOURCE_DIR "/assets/designs/uno-slater-1997.toml", folder_ / "shared.toml");
+  for (const char* name : {"mine", "yours"}) {
+    fs::create_directory(folder_ / name);
+    fs::create_symlink("../shared.toml", folder_ / name / "design.toml");
+    ASSERT_EQ(headpin(std::string("experiment plan --people 1 -o ") + name).code, 0);
+  }
+  // As a process would hold them that plans the other study.
+  spit(folder_ / "plan.sh",
+       "for name in mine yours; do\n"
+       "  '" HEADPIN_PROGRAM
+       "' experiment plan -o $name --people 2 2>>err.txt; echo $? >>code.txt\n"
+       "done\n");
+  ASSERT_EQ(std::system(("cd '" + folder_.string() +
+                         "' && flock -n mine flock -n shared.toml sh plan.sh >out.txt")
+                            .c_str()),
+            0);
+  EXPECT_EQ(slurp(folder_ / "code.txt"), "75\n0\n") << slurp(folder_ / "err.txt");
+  EXPECT_THAT(slurp(folder_ / "err.txt"),
+              testing::StartsWith("headpin experiment plan: mine: another headpin is planning this "
+                                  "study\n"));
+  EXPECT_EQ(headpin("experiment plan -o mine --people 2").code, 0);
+}
+
 }  // namespace
 }  // namespace headpin
