@@ -152,8 +152,9 @@ class TableMotion {
         fmt::format("{}: {}; {}", where_, columns_.missing[told ? 1 : 0], names_in(table_)));
   }
 
-  /// A told component of a head or hand that was not found would be ignored.
-  void require_told_parts() const {
+  /// A told component of a head or hand that was not found would be ignored. Of a table with a row for each
+  /// object, one may be told of an object that only other recordings have.
+  void require_told_parts() {
     for (const ToldColumn& told : options_.columns) {
       const std::size_t dot = told.key.find('.');
       if (dot == std::string::npos) continue;
@@ -161,6 +162,12 @@ class TableMotion {
       const auto part =
           static_cast<std::size_t>(std::ranges::find(kPartKeys, key) - kPartKeys.begin());
       if (columns_.parts[part].tracked()) continue;
+      if (columns_.object) {
+        tell_once(tracks_.notes, fmt::format("no rows are of a {}: what was told of its columns is "
+                                             "not used",
+                                             kPartNames[part]));
+        continue;
+      }
       throw WrongColumn(
           told,
           fmt::format("{} = '{}' is of a {} that was not found", told.key, told.column,

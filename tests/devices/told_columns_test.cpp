@@ -266,5 +266,36 @@ TEST(ToldColumns, OfAPartThatIsNotFoundAreRefused) {
               HasSubstr("'head.trigger': a head has no trigger; expected trigger, left.trigger"));
 }
 
+/// A table with a row for each of these objects, with their places, rotations and triggers.
+std::string with_a_row_for_each(const std::vector<std::string>& objects) {
+  std::string text = "time,device,x,y,z,qw,qx,qy,qz,trigger\n";
+  for (int i = 0; i < 300; ++i) {
+    for (const std::string& object : objects)
+      text +=
+          fmt::format("{:.2f},{},0,1,{},1,0,0,0,{}\n", 0.01 * i, object, 0.001 * i, i / 100 % 2);
+  }
+  return text;
+}
+
+// A mapping that was written for a recording with both hands was refused for one with the right hand alone.
+TEST(ToldColumns, OfAnObjectWithoutRowsAreNotedWhereEachHasItsOwn) {
+  const std::string three = with_a_row_for_each({"head", "left_hand", "right_hand"});
+  MotionOptions options;
+  options.columns = inspect_table(three, "three.csv", {}).mapping;
+  EXPECT_THAT(options.columns, Contains(testing::Field("key", &ToldColumn::key, "left.trigger")));
+  for (const char* component : {"x", "y", "z"})  // as for a rotation that was told
+    options.columns.push_back({fmt::format("left.{}", component), component});
+  const std::string note = "no rows are of a left hand: what was told of its columns is not used";
+  const MotionTracks of_two =
+      parse_motion_table(with_a_row_for_each({"head", "right_hand"}), "two.csv", options);
+  EXPECT_EQ(of_two.tracks.size(), 2u);
+  EXPECT_FALSE(of_two.triggers[1].empty());
+  EXPECT_EQ(std::ranges::count(of_two.notes, note), 1);
+  const MotionTracks of_three = parse_motion_table(three, "three.csv", options);
+  EXPECT_EQ(of_three.tracks.size(), 3u);
+  EXPECT_FALSE(of_three.triggers[0].empty());
+  EXPECT_EQ(std::ranges::count(of_three.notes, note), 0);
+}
+
 }  // namespace
 }  // namespace headpin::devices
