@@ -271,11 +271,12 @@ std::optional<int> run_number(std::string_view name) {
   constexpr std::string_view kDigits = "0123456789";
   const std::string_view rest = name.substr(std::string_view("run-").size());
   const std::size_t end = std::min(rest.find_first_not_of(kDigits), rest.size());
-  const std::optional<int> number = study::whole_in(rest.substr(0, end));
-  const std::string_view behind = rest.substr(end);
-  const bool date = behind.size() > 1 && std::string_view("-_.").find(behind[0]) != behind.npos &&
-                    kDigits.find(behind[1]) != behind.npos;
-  return date || number > kMost ? std::nullopt : number;
+  const std::string_view digits = rest.substr(0, end), behind = rest.substr(end);
+  const std::optional<int> number = study::whole_in(digits);
+  const bool year = digits.size() == 4 && (digits.starts_with("19") || digits.starts_with("20"));
+  const bool month = behind.size() > 2 && std::string_view("-_.").find(behind[0]) != behind.npos &&
+                     behind.substr(1, 2).find_first_not_of(kDigits) == behind.npos;
+  return (year && month) || number > kMost ? std::nullopt : number;
 }
 
 std::vector<Run> runs_of(const Study& study, const std::string& id) {

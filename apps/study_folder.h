@@ -112,8 +112,8 @@ struct Run {
   bool done() const { return complete && both && not_planned.empty(); }
 };
 
-/// The number of a run of this name: 7 of "run-07" and of "run-07 copy"; none of names of one's own, as "run-x",
-/// "run-2026-11-30", or with a number above 999999.
+/// The number of a run of this name: 7 of "run-07", "run-07 copy" and "run-07_2026-11-30"; none of names of one's
+/// own, as "run-x", "run-2026-11-30", or with a number above 999999.
 std::optional<int> run_number(std::string_view name);
 
 /// All recordings of a participant of the plan, in order of time: by their numbers, a copy behind its run. Those

@@ -428,5 +428,30 @@ TEST_F(Experiment, WhatARunNeedsIsSaid) {
                  "a/plan.csv");
 }
 
+// What stands behind its number was taken for a part of a date, and another session counted.
+TEST_F(Experiment, ARunThatIsGivenADateOrAPartKeepsItsNumber) {
+  plan_short("a", 1);
+  ASSERT_EQ(headpin("experiment run a --virtual --participant p001").code, 0);
+  const fs::path runs = folder_ / "a/sessions/p001";
+  fs::copy_file(runs / "run-01.lcmlog", runs / "run-02.lcmlog");
+  fs::rename(runs / "run-01.lcmlog", folder_ / "played.lcmlog");
+  const auto counts_beside_second = [&](const std::string& name) {
+    fs::copy_file(folder_ / "played.lcmlog", runs / (name + ".lcmlog"));
+    const nlohmann::json told = json("experiment status a --json");
+    fs::remove(runs / (name + ".lcmlog"));
+    return told["participants"][0]["run"];
+  };
+  for (const std::string name : {"run-01_2026-11-30", "run-01-2", "run-01.1", "run-1-30-11-2026"}) {
+    EXPECT_EQ(counts_beside_second(name), name);
+  }
+  for (const std::string name : {"run-2026-11-30", "run-1999.12", "run-2026_01_02 again"}) {
+    EXPECT_EQ(counts_beside_second(name), "run-02") << name;
+  }
+  fs::remove(runs / "run-02.lcmlog");
+  spit(runs / "run-07_2026-11-30.lcmlog", "");
+  ASSERT_EQ(headpin("experiment run a --virtual --participant p001").code, 0);
+  EXPECT_TRUE(fs::exists(runs / "run-08.lcmlog"));
+}
+
 }  // namespace
 }  // namespace headpin
