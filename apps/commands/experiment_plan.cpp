@@ -100,10 +100,11 @@ void check_levels(const study::Design& design, scene::Scenario scenario, const s
 }
 
 /// Whether design.toml is a link to a design that the study begins from, and stays one. Once its
-/// questions and room are written, the study has begun.
+/// questions and room are written, or somebody has played or answered, the study has begun.
 bool begins_from_link(const StudyFolder& at) {
   return fs::is_symlink(at.design()) && fs::exists(at.design()) && !fs::exists(at.plan()) &&
-         !(fs::exists(at.questionnaire()) && fs::exists(at.scenario()));
+         !(fs::exists(at.questionnaire()) && fs::exists(at.scenario())) &&
+         names_with_data(at).empty();
 }
 
 /// The design that a study begins from.

@@ -231,5 +231,32 @@ TEST_F(PlannedInPlace, StudiesThatShareADesignAreLockedApart) {
   EXPECT_EQ(headpin("experiment plan -o mine --people 2").code, 0);
 }
 
+// It was begun again without a word, with the scenario of today.
+TEST_F(PlannedInPlace, AStudyWithALinkToItsDesignIsNotBegunAgainBesideSessionsOrAnswers) {
+  bring("designs/uno-slater-1997.toml", "shared.toml");
+  fs::create_symlink("../shared.toml", folder_ / "mine/design.toml");
+  const std::string command = "experiment plan -o mine";
+  ASSERT_EQ(headpin(command).code, 0);
+  const auto expect_not_begun = [&](const std::string& data) {
+    fs::remove(folder_ / "mine/plan.csv");
+    for (const std::string lost : {"scenario", "questionnaire"}) {
+      const fs::path file = folder_ / "mine" / (lost + ".toml");
+      fs::rename(file, folder_ / "kept.toml");
+      expect_refusal(command, 1, "mine/" + lost + ".toml: cannot ");
+      EXPECT_FALSE(fs::exists(file)) << data;
+      EXPECT_FALSE(fs::exists(folder_ / "mine/plan.csv")) << data;
+      fs::rename(folder_ / "kept.toml", file);
+    }
+    const Result again = headpin(command);
+    EXPECT_EQ(again.code, 0) << data << again.err;
+    fs::remove_all(folder_ / "mine" / data);
+  };
+  bring("trials/demo.lcmlog", "mine/sessions/p001/run-01.lcmlog");
+  expect_not_begun("sessions");
+  fs::create_directories(folder_ / "mine/answers");
+  spit(folder_ / "mine/answers/p001.csv", "item,answer\npresence1,6\n");
+  expect_not_begun("answers");
+}
+
 }  // namespace
 }  // namespace headpin
