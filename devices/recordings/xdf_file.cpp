@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "devices/recordings/any_table.h"
 #include "devices/recordings/text_encoding.h"
 
 namespace headpin::devices {
@@ -90,7 +91,7 @@ double real_in(const std::string& text) {
   return number;
 }
 
-/// Samples a second, with or without "Hz"; nothing for a text that is none.
+/// Samples a second, with or without "Hz" in letters of any size; nothing for a text that is none.
 std::optional<double> rate_in(const std::string& text) {
   double rate = 0.0;
   const char* const end = text.data() + text.size();
@@ -98,7 +99,7 @@ std::optional<double> rate_in(const std::string& text) {
   if (read.ec != std::errc{} || !std::isfinite(rate) || rate < 0.0) return std::nullopt;
   const std::string_view rest(read.ptr, static_cast<std::size_t>(end - read.ptr));
   const std::string_view unit = rest.substr(std::min(rest.find_first_not_of(' '), rest.size()));
-  if (!unit.empty() && unit != "Hz") return std::nullopt;
+  if (!unit.empty() && small_letters(unit) != "hz") return std::nullopt;
   return rate;
 }
 

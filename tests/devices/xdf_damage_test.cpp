@@ -229,7 +229,8 @@ TEST(XdfFile, ARateIsANumberAndNothingElse) {
     EXPECT_EQ(file.streams.at(0).rate_hz, 0.0) << none;
     EXPECT_THAT(file.notes, ElementsAre(HasSubstr("found '" + none + "': taken as 0"))) << none;
   }
-  for (const std::string rate : {"100.5", " 100.5 ", "100.5Hz", "1.005e2 Hz"}) {
+  for (const std::string rate :
+       {"100.5", " 100.5 ", "100.5Hz", "1.005e2 Hz", "100.5 hz", "100.5HZ"}) {
     const XdfFile file = read_all_streams(of_a_rate("s", rate));
     EXPECT_EQ(file.streams.at(0).rate_hz, 100.5) << rate;
     EXPECT_THAT(file.notes, IsEmpty()) << rate;
