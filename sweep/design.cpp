@@ -82,7 +82,7 @@ Range read_range(const toml::table& table, const std::string& where, const std::
 }
 
 std::vector<std::string> read_values(const toml::node& node, const std::string& where,
-                                     const std::string& key) {
+                                     const std::string& key, DesignOf of) {
   constexpr const char* kExpected = "a list of values or {from, to, steps}";
   std::vector<std::string> values;
   if (const auto* table = node.as_table()) {
@@ -91,7 +91,7 @@ std::vector<std::string> read_values(const toml::node& node, const std::string& 
     for (std::int64_t i = 0; i < steps; ++i) {
       const double part = static_cast<double>(i) / static_cast<double>(steps - 1);
       const std::string value = in_words(range.from + part * (range.to - range.from));
-      if (!values.empty() && values.back() == value) {
+      if (of == DesignOf::new_sweep && !values.empty() && values.back() == value) {
         refuse(where, node, key, "a range whose steps differ within 12 digits");
       }
       values.push_back(value);
@@ -115,12 +115,13 @@ std::vector<std::string> read_values(const toml::node& node, const std::string& 
 
 /// Reads a table of keys, `ball.mass` as well as [ball] with mass in it.
 template <typename See>
-void each_key(const toml::table& table, const std::string& before, const See& see) {
+void each_key(const toml::table& table, const std::string& before, DesignOf of, const See& see) {
   for (const auto& [name, node] : table) {
     const std::string key = before + std::string(name.str());
     const auto* inner = node.as_table();
-    if (inner && !inner->empty() && !is_range(*inner)) {  // an empty one has no range
-      each_key(*inner, key + ".", see);
+    const bool refused = inner && inner->empty() && of == DesignOf::new_sweep;  // for its range
+    if (inner && !refused && !is_range(*inner)) {
+      each_key(*inner, key + ".", of, see);
     } else {
       see(key, node);
     }
@@ -135,19 +136,19 @@ const toml::table& table_of(const toml::table& all, const char* key, const std::
   return *node->as_table();
 }
 
-void read_grid(const toml::table& grid, const std::string& where, Design& design) {
+void read_grid(const toml::table& grid, const std::string& where, DesignOf of, Design& design) {
   std::vector<std::pair<toml::source_position, Axis>> found;  // a table does not keep its order
-  each_key(grid, "", [&](const std::string& key, const toml::node& node) {
+  each_key(grid, "", of, [&](const std::string& key, const toml::node& node) {
     found.emplace_back(node.source().begin,
-                       Axis{key, read_values(node, where, key), line_of(node)});
+                       Axis{key, read_values(node, where, key, of), line_of(node)});
   });
   std::ranges::stable_sort(found, [](const auto& a, const auto& b) { return a.first < b.first; });
   for (auto& [place, axis] : found) design.grid.push_back(std::move(axis));
 }
 
-void read_random(const toml::table& random, const std::string& where, Design& design) {
+void read_random(const toml::table& random, const std::string& where, DesignOf of, Design& design) {
   std::vector<std::pair<toml::source_position, Range>> found;
-  each_key(random, "", [&](const std::string& key, const toml::node& node) {
+  each_key(random, "", of, [&](const std::string& key, const toml::node& node) {
     if (key == "method") {
       const auto name = node.value<std::string>();
       if (name != "latin-hypercube" && name != "uniform") {
@@ -210,7 +211,7 @@ void require_different_keys(const Design& design, const std::string& where) {
 
 }  // namespace
 
-Design parse_design(std::string_view text, const std::string& where) {
+Design parse_design(std::string_view text, const std::string& where, DesignOf of) {
   const toml::table all = study::parse_toml(text, where, {"trials", "grid", "random"});
   Design design;
   const toml::node* trials = all.get("trials");
@@ -223,9 +224,9 @@ Design parse_design(std::string_view text, const std::string& where) {
     if (!item.is_string()) refuse(where, item, "trials", "a list of files");
     design.trials.push_back(item.as_string()->get());
   }
-  read_grid(table_of(all, "grid", where), where, design);
+  read_grid(table_of(all, "grid", where), where, of, design);
   const toml::table& random = table_of(all, "random", where);
-  read_random(random, where, design);
+  read_random(random, where, of, design);
   if (design.drawn.empty() && !random.empty()) {
     refuse(where, random, "random", "a table with ranges, such as ball.mass = {from = 5, to = 7}");
   }

@@ -36,10 +36,15 @@ struct Design {
   std::uint64_t seed = 1;
 };
 
+/// What a design is read for. That of a sweep which is there may have been planned before an empty table for a
+/// key, and a range with steps that are the same within 12 digits, were refused.
+enum class DesignOf { new_sweep, planned_sweep };
+
 /// @param where  name of the file, for messages
 /// @throws std::invalid_argument  "FILE:LINE: KEY must be EXPECTED, found FOUND"; which keys there are
 ///   is checked by plan()
-Design parse_design(std::string_view text, const std::string& where);
+Design parse_design(std::string_view text, const std::string& where,
+                    DesignOf of = DesignOf::new_sweep);
 
 /// Refuses a key of which other keys leave nothing: keys of a scenario go before those of options. It would
 /// stand in the tables with values that no row has. For new sweeps; one that is there keeps its design.

@@ -234,7 +234,7 @@ Sweep open_sweep(const fs::path& root) {
     throw std::runtime_error(root.string() + ": expected a sweep, found no rows.csv");
   }
   const std::string design_text = base::read_text(at.design().string(), 16'000'000);
-  const Design design = parse_design(design_text, at.design().string());
+  const Design design = parse_design(design_text, at.design().string(), DesignOf::planned_sweep);
   std::vector<Trial> trials;
   for (const std::string& trial : design.trials) {
     trials.push_back(read_trial(own(at, trial).string()));

@@ -29,19 +29,34 @@ class SweepFolderTest : public testing::Test {
 
 // It may have been planned, and simulated, before such a design was refused.
 TEST_F(SweepFolderTest, ASweepWhoseDesignIsRefusedTodayOpens) {
-  const std::string grid = "shape = ['ellipsoid', 'true']\ncollision.shape = ['true']\n";
-  EXPECT_THAT(planned(grid), testing::HasSubstr("'shape' sets collision.shape"));
-  ASSERT_EQ(planned("shape = ['ellipsoid', 'true']\n"), "");
-  const SweepFolder at{folder_ / "sweep"};
-  const std::string text = "trials = ['t.lcmlog']\n[grid]\n" + grid;
-  const Rows rows(parse_design(text, "sweep.toml"), {base::sha256(slurp(folder_ / "t.lcmlog"))});
-  std::string table = study::csv_line(columns_of(rows));
-  for (std::int64_t i = 0; i < rows.size(); ++i) {
-    table += study::csv_line(cells_of(rows, rows.at(i)));
+  struct Old {
+    const char *grid, *refused;
+  };
+  const std::vector<Old> all = {
+      {"shape = ['ellipsoid', 'true']\ncollision.shape = ['true']\n",
+       "'shape' sets collision.shape"},
+      {"shape = ['ellipsoid', 'true']\nfriction = {}\n", "friction.from must be a finite number"},
+      {"friction = {from = 0.1, to = 0.1000000000001, steps = 2}\n",
+       "friction must be a range whose steps differ within 12 digits"},
+      {"shape = ['ellipsoid', 'true']\n[random]\nfriction = {from = 0.1, to = 0.2}\n"
+       "ball.mass = {}\n",
+       "ball.mass.from must be a finite number"}};
+  for (const Old& old : all) {
+    EXPECT_THAT(planned(old.grid), testing::HasSubstr(old.refused));
+    ASSERT_EQ(planned("shape = ['ellipsoid', 'true']\n"), "");
+    const SweepFolder at{folder_ / "sweep"};
+    const std::string text = std::string("trials = ['t.lcmlog']\n[grid]\n") + old.grid;
+    const Rows rows(parse_design(text, "sweep.toml", DesignOf::planned_sweep),
+                    {base::sha256(slurp(folder_ / "t.lcmlog"))});
+    std::string table = study::csv_line(columns_of(rows));
+    for (std::int64_t i = 0; i < rows.size(); ++i) {
+      table += study::csv_line(cells_of(rows, rows.at(i)));
+    }
+    spit(at.design(), text);
+    spit(at.rows(), table);
+    EXPECT_EQ(open_sweep(at.root).rows.size(), 2) << old.grid;
+    fs::remove_all(at.root);
   }
-  spit(at.design(), text);
-  spit(at.rows(), table);
-  EXPECT_EQ(open_sweep(at.root).rows.size(), 2);
 }
 
 // Only versions have values of their own: the bundled throw has none, its elasticity counts.
