@@ -214,7 +214,9 @@ test('a hand whose place the headset only estimates does not move, and is away a
   assert.equal(told('source_amiss').length, 2);  // of both hands, as IWER says it at first
   const hands = JSON.parse(headpin('info', 'estimated.lcmlog', '--json')).devices.filter(({ device }) => device.endsWith('hand'));
   assert.equal(hands.length, 2);
-  for (const { estimated } of hands) assert.ok(estimated > 15 && estimated < 40, `${estimated} samples`);
+  for (const { samples, estimated } of hands) {  // measured before and after
+    assert.ok(estimated > 15 && samples - estimated > 30, `${estimated} of ${samples} samples`);
+  }
 });
 
 test('the stick walks, and stops when its controller goes or the headset shows its menu', async () => {
