@@ -473,7 +473,7 @@ TEST_F(StudyPeople, ACopyOfARunComesBetweenItAndTheNextRun) {
 TEST_F(StudyPeople, RunsWithNamesOfOnesOwnAreNoneOfANumberNorTheLastOne) {
   plan(4);
   int others = 0;
-  for (int i = 0; i < 4; ++i) {
+  for (std::size_t i = 0; i < 4; ++i) {
     const std::string who = fmt::format("p00{}", i + 1);
     const fs::path runs = folder_ / "study/sessions" / who;
     fs::create_directories(runs);
