@@ -386,8 +386,9 @@ TEST(AnyTableStyle, IsOneOfFewNumbersAmongManyEmptyCells) {
 // A rate with a comma was no rate, and the time had no unit.
 TEST(AnyTableFacts, AreNumbersAsTheTableHasThem) {
   for (const auto& [rate, hz] : {std::pair{"120,5", 120.5}, {"120.5", 120.5}, {"120", 120.0}}) {
-    const AnyTable table = read_any_table(
-        fmt::format("Segments\n{}\nFrame;x;y;z\n", rate) + rows_of(20, ";1,5;2,5;3,5"), "t.csv");
+    const std::string text =
+        fmt::format("Segments\n{}\nFrame;x;y;z\n", rate) + rows_of(20, ";1,5;2,5;3,5");
+    const AnyTable table = read_any_table(text, "t.csv");
     EXPECT_EQ(table.number(table.fact("rate")), hz) << rate;
     std::vector<std::string> notes;
     EXPECT_DOUBLE_EQ(read_times(table, 0, {}, "t.csv", notes).unit_s, 1.0 / hz) << rate;
