@@ -69,7 +69,7 @@ Run SharedStart::run_of(const std::string& text, const Begin& begin,
       scene::advance(first.session, first.source);
       first.sum.tick(first.session);
     }
-    first.session.player.known = std::make_shared<scene::HandVelocities>();
+    first.session.player.velocities = std::make_shared<scene::HandVelocities>();
     start.run = std::move(first);
   }
   std::shared_ptr<const scene::Stage> stage = run.session.stage;

@@ -172,7 +172,7 @@ void Situations::begin(Time trigger) {
       std::make_shared<scene::Session>(scene::on_its_own(recent_.front(), recent_.front().stage));
   before->hashes = false;
   before->world.parameters.keep_ledger = false;
-  before->player.known = std::make_shared<scene::HandVelocities>();
+  before->player.velocities = std::make_shared<scene::HandVelocities>();
   situation.before = std::move(before);
   for (std::size_t i = 1; i < recent_.size(); ++i) {
     situation.samples.push_back(recent_[i].samples);

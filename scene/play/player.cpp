@@ -309,7 +309,7 @@ void place_hand(Player& player, const Tick& tick, Time now) {
   const auto find = [&] {
     return hand_motion(player, tick.stage.scenario, Vec3::Zero(), now).V_WB;
   };
-  const Twist V_WH = player.known ? player.known->at(now, find) : find();
+  const Twist V_WH = player.velocities ? player.velocities->at(now, find) : find();
   const engine::State state{*X_WH, V_WH.v, V_WH.w};
   const double dt = engine::step_seconds(tick.world);
   engine::set_state(tick.world, body, at_trigger(hand) ? ending_at(state, dt) : state);

@@ -56,7 +56,8 @@ struct Player {
   std::optional<Time> grip_changed;       ///< tick of the last grab or release
   std::optional<engine::BodyId> leaving;  ///< body that was released and still touches the hand
   ReleaseChange release_change;           ///< of every release, after that of the scenario
-  std::shared_ptr<HandVelocities> known;  ///< null, or shared by sessions with the same samples
+  /// Null, or shared by sessions with the same samples.
+  std::shared_ptr<HandVelocities> velocities;
 };
 
 /// X_PS: pose of a sensor in the tracked space, which is the world until the player walks.

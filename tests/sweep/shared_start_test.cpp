@@ -84,7 +84,7 @@ TEST(SharedStart, HandsMoveAlikeWhereTheirVelocitiesAreKnown) {
     }
     const auto hash_with = [&](const std::shared_ptr<scene::HandVelocities>& known) {
       scene::Session session = scene::make_session(trials()[0].scenario);
-      session.player.known = known;
+      session.player.velocities = known;
       devices::ReplaySource source(samples);
       while (session.now() < trials()[0].summary.end) scene::advance(session, source);
       return session.state_hash;
