@@ -44,7 +44,10 @@ void Averages::add(std::int64_t number, const std::vector<std::string>& cells) {
   Point& point = points_[static_cast<std::size_t>(number / each)];
   if (point.first < 0) point.first = number;
   ++point.rows;
-  if (!cells.back().empty()) ++point.failed;
+  if (!cells.back().empty()) {
+    ++point.failed;
+    count_failure(number, cells.back());
+  }
   bool unsolved = false;
   for (std::size_t i = 0; i + 1 < result_columns().size(); ++i) {
     const std::string& cell = cells[own + i];
@@ -56,6 +59,25 @@ void Averages::add(std::int64_t number, const std::vector<std::string>& cells) {
     unsolved |= (i == islands || i == impacts) && value > 0.0;
   }
   point.unsolved += unsolved ? 1 : 0;
+}
+
+void Averages::count_failure(std::int64_t number, const std::string& reason) {
+  constexpr std::size_t kMostReasons = 1000;
+  const bool has_place = failures_.contains(reason) || failures_.size() < kMostReasons;
+  Failure& failure = has_place ? failures_[reason] : others_;
+  if (has_place) failure.reason = reason;
+  ++failure.rows;
+  if (failure.first < 0 || number < failure.first) failure.first = number;
+}
+
+std::vector<Failure> Averages::failures() const {
+  std::vector<Failure> all;
+  for (const auto& [reason, failure] : failures_) all.push_back(failure);
+  std::ranges::sort(all, [](const Failure& a, const Failure& b) {
+    return a.rows != b.rows ? a.rows > b.rows : a.first < b.first;
+  });
+  if (others_.rows > 0) all.push_back(others_);
+  return all;
 }
 
 const Point& Averages::at(const std::vector<std::size_t>& place) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,13 @@ struct Point {
   std::int64_t first = -1;    ///< number of one of its rows; -1 without any
 };
 
+/// The rows that failed for one reason.
+struct Failure {
+  std::string reason;
+  std::int64_t rows = 0;
+  std::int64_t first = -1;  ///< number of the first of them
+};
+
 /// The results of a sweep, by point of the grid.
 class Averages {
  public:
@@ -31,9 +39,17 @@ class Averages {
   const Point& at(const std::vector<std::size_t>& place) const;
   const std::vector<Point>& points() const { return points_; }
 
+  /// Why rows failed: the most frequent reason first, of equally frequent ones the one whose first row is earlier.
+  /// Beyond 1000 reasons, further ones are counted together as the last one.
+  std::vector<Failure> failures() const;
+
  private:
+  void count_failure(std::int64_t number, const std::string& reason);
+
   const Rows& rows_;
   std::vector<Point> points_;
+  std::map<std::string, Failure> failures_;  // by reason
+  Failure others_{"other reasons"};
 };
 
 /// Mean of a result column; NaN where no row has it.

@@ -25,7 +25,7 @@ constexpr const char* kStyle =
     "border-bottom:1px solid #ddd;font-variant-numeric:tabular-nums}.panels{display:flex;"
     "flex-wrap:wrap;gap:1em}rect[data-i]{cursor:pointer}rect[data-i]:hover{stroke:#000}"
     "#command{position:fixed;bottom:0;left:0;right:0;background:#222;color:#fff;padding:.6em 1em;"
-    "font-family:monospace;overflow-wrap:anywhere}.note{color:#555}";
+    "font-family:monospace;overflow-wrap:anywhere}.note{color:#555}.failed td{text-align:left}";
 
 constexpr const char* kScript =
     "document.addEventListener('click',e=>{const i=e.target.dataset&&e.target.dataset.i;"
@@ -277,6 +277,28 @@ std::string in_script(const nlohmann::json& value) {
   return text;
 }
 
+/// Why rows failed: how many for each reason, and the command of the first of them.
+std::string failures_of(const Rows& rows, const Averages& averages, const std::string& folder) {
+  constexpr std::size_t kMost = 20;
+  const std::vector<Failure> failures = averages.failures();
+  if (failures.empty()) return "";
+  std::string html =
+      "<h2>rows that failed</h2>\n<table class=failed><tr><th>rows</th><th>first</th><th>reason</th>"
+      "<th>command of the first</th></tr>\n";
+  for (std::size_t i = 0; i < std::min(kMost, failures.size()); ++i) {
+    const Failure& one = failures[i];
+    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", one.rows,
+                        one.first + 1, escaped(one.reason),
+                        escaped(command_of(rows, rows.at(one.first), folder)));
+  }
+  html += "</table>\n";
+  if (failures.size() <= kMost) return html;
+  return html + fmt::format(
+                    "<p class=note>There are {} more reasons. The column error of a merged table "
+                    "has the reason of every row.</p>\n",
+                    failures.size() - kMost);
+}
+
 }  // namespace
 
 std::string command_of(const Rows& rows, const Row& row, const std::string& folder) {
@@ -308,6 +330,7 @@ std::string html_report(const Rows& rows, const Averages& averages, std::size_t 
       kStyle, design.trials.size(), design.trials.size() == 1 ? "" : "s", done, rows.size(),
       design.trials.size() > 1 ? " Points are means over the trials." : "",
       design.draws > 1 ? fmt::format(" Points are means over {} draws.", design.draws) : "");
+  html += failures_of(rows, averages, folder);
   for (std::size_t column = 0; column < result_columns().size(); ++column) {
     if (std::ranges::find(kShown, std::string_view(result_columns()[column].name)) !=
         kShown.end()) {

@@ -6,8 +6,8 @@
 
 namespace headpin::sweep {
 
-/// The page of a sweep: for each result a map over two axes of the grid, slices of it, and a table; for each
-/// combination of the other axes.
+/// The page of a sweep: why rows failed, and for each result a map over two axes of the grid, slices of it, and a
+/// table; for each combination of the other axes.
 ///
 /// @param x, y    axes of the grid
 /// @param folder  of the sweep, for the command of a point

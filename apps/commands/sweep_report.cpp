@@ -44,6 +44,26 @@ std::size_t axis_of(const sweep::Design& design, const char* option, const std::
   return static_cast<std::size_t>(found - keys.begin());
 }
 
+/// Why rows failed, as JSON.
+nlohmann::ordered_json json_of(const std::vector<sweep::Failure>& failures) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const sweep::Failure& one : failures) {
+    all.push_back({{"error", one.reason}, {"failed", one.rows}, {"first_row", one.first + 1}});
+  }
+  return all;
+}
+
+/// Why rows failed, a line for each of the most frequent reasons.
+void print_failures(const std::vector<sweep::Failure>& failures) {
+  constexpr std::size_t kMost = 5;
+  for (std::size_t i = 0; i < std::min(kMost, failures.size()); ++i) {
+    const sweep::Failure& one = failures[i];
+    fmt::print("{} failed, the first is row {}: {}\n", one.rows, one.first + 1,
+               printable(one.reason));
+  }
+  if (failures.size() > kMost) fmt::print("and for {} more reasons\n", failures.size() - kMost);
+}
+
 void report_sweep(const ReportSweepOptions& options) {
   watch_stop_signals();
   const sweep::Sweep sweep = open_planned(options.sweep);
@@ -79,14 +99,21 @@ void report_sweep(const ReportSweepOptions& options) {
   file.write(html.data(), html.size());
   check_stop();
   file.commit();
+  const std::vector<sweep::Failure> failures = averages.failures();
+  std::int64_t failed = 0;
+  for (const sweep::Failure& one : failures) failed += one.rows;
   if (options.json) {
-    return print_json(
-        {{"output", *options.output}, {"planned", sweep.rows.size()}, {"done", done}});
+    return print_json({{"output", *options.output},
+                       {"planned", sweep.rows.size()},
+                       {"done", done},
+                       {"failed", failed},
+                       {"failures", json_of(failures)}});
   }
   const std::string& of_x = sweep.rows.design().grid[x].key;
   const std::string& of_y = sweep.rows.design().grid[y].key;
   fmt::print("{}: {} of {} rows, over {}{}\n", *options.output, done, sweep.rows.size(), of_x,
              x == y ? "" : " and " + of_y);
+  print_failures(failures);
 }
 
 }  // namespace
@@ -106,7 +133,8 @@ void add_sweep_report(CLI::App& group) {
   command->footer(
       "For each result a map, slices and a table, for every combination of the other keys of the "
       "grid. A point is\nthe mean over trials and draws. A click on a point shows the command that "
-      "simulates it.\n\n"
+      "simulates it.\nOf rows that failed, page and command say for each reason how many there are, and "
+      "which is the first.\n\n"
       "Example:\n  headpin sweep report sweep -o maps.html --x friction --y elasticity");
   command->callback([options] { report_sweep(*options); });
 }

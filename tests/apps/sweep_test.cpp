@@ -377,5 +377,23 @@ TEST_F(SweepCommands, ACopyOfATrialIsRefused) {
       "sweep.toml: expected different trials, found throw.lcmlog and its copy again.lcmlog");
 }
 
+// The report of rows that all failed gave no reason.
+TEST_F(SweepCommands, AReportOfFailedRowsSaysWhyTheyFailed) {
+  write_design("[grid]\nroom.width = [2.2]\nlane.width = [2.4]\nfriction = [0, 1]\n");
+  plan("none");
+  EXPECT_EQ(json("sweep run none --json")["failed"], 2);
+  const std::string reason =
+      "lane.width=2.4: lane.width must be less than the room's, 2.2; found 2.4";
+  EXPECT_EQ(headpin("sweep report none -o none.html").out,
+            "none.html: 2 of 2 rows, over friction\n2 failed, the first is row 1: " + reason + "\n");
+  EXPECT_THAT(slurp(folder_ / "none.html"), HasSubstr("<td>2</td><td>1</td><td>lane.width=2.4: "));
+  const nlohmann::json told = json("sweep report none -o none.html --force --json");
+  EXPECT_EQ(told["failed"], 2);
+  ASSERT_EQ(told["failures"].size(), 1u);
+  EXPECT_EQ(told["failures"][0]["error"], reason);
+  EXPECT_EQ(told["failures"][0]["failed"], 2);
+  EXPECT_EQ(told["failures"][0]["first_row"], 1);
+}
+
 }  // namespace
 }  // namespace headpin

@@ -129,5 +129,46 @@ TEST(SweepReport, HasAMapForEachShapeWithItsExtremesAndNoForeignMarkup) {
   EXPECT_THAT(html, HasSubstr("not simulated yet"));
 }
 
+// A page of failed rows alone said only that no row has the numbers.
+TEST(SweepReport, SaysOfEachReasonHowManyRowsFailedAndTheFirst) {
+  const Rows rows(kDesign, {"A", "B"});
+  Averages averages(rows);
+  for (std::int64_t i = 0; i < 12; ++i) {
+    averages.add(i, cells_with(rows, i, 4.0, "0", i == 0 ? "lane <wide>" : i < 4 ? "" : "no ball"));
+  }
+  const std::vector<Failure> failures = averages.failures();
+  ASSERT_EQ(failures.size(), 2u);
+  EXPECT_EQ(failures[0].reason, "no ball");
+  EXPECT_EQ(failures[0].rows, 8);
+  EXPECT_EQ(failures[0].first, 4);
+  EXPECT_EQ(failures[1].rows, 1);
+  EXPECT_EQ(failures[1].first, 0);
+  const std::string html = html_report(rows, averages, 0, 1, "sweep", 12);
+  EXPECT_THAT(html, HasSubstr("<td>8</td><td>5</td><td>no ball</td><td>headpin replay "
+                              "sweep/trials/a.lcmlog --elasticity 0 --friction 0 "));
+  EXPECT_THAT(html, HasSubstr("<td>1</td><td>1</td><td>lane &lt;wide&gt;</td>"));
+  Averages none(rows);
+  none.add(0, cells_with(rows, 0, 4.0));
+  EXPECT_THAT(html_report(rows, none, 0, 1, "sweep", 1), Not(HasSubstr("rows that failed")));
+}
+
+// Reasons with drawn numbers in them all differ.
+TEST(SweepReport, CountsReasonsBeyondAThousandTogether) {
+  const Rows rows(
+      parse_design("trials = ['a.lcmlog']\n[grid]\nfriction = {from = 0, to = 1, steps = 1010}\n",
+                   "s.toml"),
+      {"A"});
+  Averages averages(rows);
+  for (std::int64_t i = 0; i < rows.size(); ++i) {
+    averages.add(i, cells_with(rows, i, 4.0, "0", fmt::format("found {}", i).c_str()));
+  }
+  const std::vector<Failure> failures = averages.failures();
+  ASSERT_EQ(failures.size(), 1001u);
+  EXPECT_EQ(failures.back().rows, 10);
+  EXPECT_EQ(failures.back().first, 1000);
+  EXPECT_THAT(html_report(rows, averages, 0, 0, "sweep", rows.size()),
+              HasSubstr("There are 981 more reasons."));
+}
+
 }  // namespace
 }  // namespace headpin::sweep
