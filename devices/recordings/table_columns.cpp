@@ -60,6 +60,7 @@ class Told {
         one_component(part, told, all);
       }
     }
+    for (const auto& [part, object] : objects_) require_one_rotation(part, object);
   }
 
   /// Which parts were told whole.
@@ -82,9 +83,9 @@ class Told {
   PartColumns with_told(std::size_t part, Object found) const {
     const auto told = objects_.find(part);
     if (told == objects_.end() || put_over(told->second, found)) return found.columns;
-    const ToldColumn& turn = turns_.at(part);
+    const ToldColumn& turn = turns_.at(part).front().told;
     throw WrongColumn(turn, fmt::format("{} = '{}' makes no whole rotation", turn.key, turn.column),
-                      "expected all of qw, qx, qy, qz, or of rx, ry, rz, or m00 to m22");
+                      fmt::format("expected all of {}", kRotations));
   }
 
   /// Whether a component of a part's place or rotation was told.
@@ -104,6 +105,28 @@ class Told {
   }
 
  private:
+  /// A told component of a rotation.
+  struct Turn {
+    Quantity quantity;
+    ToldColumn told;
+  };
+  static constexpr std::string_view kRotations = "qw, qx, qy, qz, or of rx, ry, rz, or m00 to m22";
+
+  /// Only one of two rotations could be used.
+  void require_one_rotation(std::size_t part, const Object& told) const {
+    const std::vector<Quantity> kinds = rotations_of(told);
+    if (kinds.size() < 2) return;
+    const std::vector<Turn>& turns = turns_.at(part);
+    const auto first = [&](Quantity kind) {
+      return std::ranges::find(turns, kind, &Turn::quantity);
+    };
+    const ToldColumn &a = first(kinds[0])->told, &b = first(kinds[1])->told;
+    throw WrongColumn(b,
+                      fmt::format("{} = '{}' and {} = '{}' are of two rotations", a.key, a.column,
+                                  b.key, b.column),
+                      fmt::format("expected one rotation: columns of {}", kRotations));
+  }
+
   std::size_t column(const ToldColumn& told) const {
     if (const auto found = column_called(table_, told.column)) return *found;
     std::vector<std::size_t> called;
@@ -141,7 +164,7 @@ class Told {
       component = {Quantity::angle, component.index - 1, {}};
     }
     put(objects_[part], component, column(told), "");
-    if (is_rotation(component.quantity)) turns_.emplace(part, told);
+    if (is_rotation(component.quantity)) turns_[part].push_back({component.quantity, told});
   }
 
   static bool is_rotation(Quantity quantity) {
@@ -182,8 +205,8 @@ class Told {
   MotionColumns& columns_;
   std::map<std::size_t, Object> objects_;  // of components
   std::map<std::size_t, Object> whole_parts_;
-  std::map<std::size_t, ToldColumn> turns_;  // the first component of the rotation
-  std::optional<std::size_t> trigger_;       // of both hands
+  std::map<std::size_t, std::vector<Turn>> turns_;  // of each part, as they were told
+  std::optional<std::size_t> trigger_;              // of both hands
 };
 
 using Candidates = std::vector<const std::pair<std::string, Object>*>;
@@ -299,6 +322,16 @@ void find_objects(const AnyTable& table, const Objects& objects, bool only_hand_
   }
 }
 
+/// The rotation that a file of columns has; of one that is not used, the first kind of which there are columns.
+RotationKind written_rotation(const PartColumns& part) {
+  const auto some = [](const auto& columns) {
+    return std::ranges::any_of(columns, [](const auto& column) { return column.has_value(); });
+  };
+  if (part.rotation != RotationKind::none) return part.rotation;
+  if (some(part.quaternion)) return RotationKind::quaternion;
+  return some(part.angles) ? RotationKind::angles : RotationKind::matrix;
+}
+
 void say_missing(const AnyTable& table, MotionColumns& columns) {
   if (!columns.time) columns.missing.emplace_back("no column of the time was found");
   const auto lacks = [&](const char* what) {
@@ -357,16 +390,14 @@ ToldColumns mapping_of(const AnyTable& table, const MotionColumns& columns) {
         tell(fmt::format("{}.{}{}", kPartKeys[part], before, letters[i]), places[i]);
       }
     };
-    const auto turns_by = [&](RotationKind kind) {
-      return its.rotation == kind || its.rotation == RotationKind::none;
-    };
+    const RotationKind rotation = written_rotation(its);
     // Those of a table with a row for each object are found again.
     if (!columns.object || columns.told_of_rows[part]) {
       each(its.position, "", "xyz");
-      if (turns_by(RotationKind::quaternion)) each(its.quaternion, "q", "wxyz");
-      if (turns_by(RotationKind::angles) || its.rotation == RotationKind::vector)
+      if (rotation == RotationKind::quaternion) each(its.quaternion, "q", "wxyz");
+      if (rotation == RotationKind::angles || rotation == RotationKind::vector)
         each(its.angles, "r", "xyz");
-      for (std::size_t i = 0; i < 9 && turns_by(RotationKind::matrix); ++i)
+      for (std::size_t i = 0; i < 9 && rotation == RotationKind::matrix; ++i)
         tell(fmt::format("{}.m{}{}", kPartKeys[part], i / 3, i % 3), its.matrix[i]);
     }
     if (part > 0) tell(fmt::format("{}.trigger", kPartKeys[part]), its.trigger);

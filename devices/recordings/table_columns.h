@@ -71,7 +71,8 @@ struct MotionColumns {
 /// The last words say the component, the words before them the object. What the user told is used first.
 ///
 /// @param only_hand_is_left  of a hand whose name does not say the side
-/// @throws WrongColumn            for told columns that are not there, or that mean nothing
+/// @throws WrongColumn            for told columns that are not there, that mean nothing, or that are of two kinds
+///                                of rotation of one part
 /// @throws std::invalid_argument  for two objects that could be the same part
 MotionColumns find_columns(const AnyTable& table, const ToldColumns& told, bool only_hand_is_left,
                            std::string_view where);

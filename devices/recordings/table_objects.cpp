@@ -119,6 +119,16 @@ void finish(Object& object) {
                                          : RotationKind::none;
 }
 
+std::vector<Quantity> rotations_of(const Object& told) {
+  std::vector<Quantity> kinds;
+  PartColumns its;
+  take_matrix(its, told.elements);  // its last column is a place
+  if (any(quaternion_in(told.rotations))) kinds.push_back(Quantity::quaternion);
+  if (any(told.columns.angles)) kinds.push_back(Quantity::angle);
+  if (any(its.matrix)) kinds.push_back(Quantity::matrix);
+  return kinds;
+}
+
 bool put_over(const Object& told, Object& found) {
   PartColumns& part = found.columns;
   PartColumns its = told.columns;

@@ -41,6 +41,10 @@ void put(Object& object, const Component& component, std::size_t column, const s
 /// Decides how the rotation of an object is written, when all its columns are known.
 void finish(Object& object);
 
+/// The kinds of rotation of which an object has columns: quaternion, angle, matrix.
+/// @param told  not finished
+std::vector<Quantity> rotations_of(const Object& told);
+
 /// Puts what was told of an object over what was found of it, component by component.
 /// @param told  not finished
 /// @return      false if what was told of the rotation makes none, beside another one that was found

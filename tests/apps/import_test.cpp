@@ -467,6 +467,8 @@ TEST_F(TrialCommands, ColumnsThatAreToldInVainAreRefused) {
   };
   refused("left.x=#2", "--columns: left.x = '#2' is of a left hand that was not found");
   refused("right.x=#2,right.x=#3", "--columns: expected each key once, found right.x");
+  refused("right.qw=#2,right.rx=#3",
+          "--columns: right.qw = '#2' and right.rx = '#3' are of two rotations");
 }
 
 }  // namespace

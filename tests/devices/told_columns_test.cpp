@@ -196,14 +196,13 @@ TEST(ToldRotation, OfAFileOfColumnsIsTheOneThatWasUsed) {
   EXPECT_EQ(angles.rotation, RotationKind::angles);
   EXPECT_THAT(places_at(angles.angles), ElementsAre(12u, 11u, 13u));
   EXPECT_FALSE(angles.quaternion[0]);
-  // A file that has both means the quaternion.
-  ToldColumns both = told;
-  for (std::size_t i = 0; i < 4; ++i)
-    both.push_back({fmt::format("head.q{}", "wxyz"[i]), fmt::format("#{}", 8 + i)});
-  for (std::size_t i = 0; i < 3; ++i)
-    both.push_back({fmt::format("head.{}", "xyz"[i]), fmt::format("#{}", 2 + i)});
-  EXPECT_EQ(with_told(text.substr(0, text.find('\n')), both).parts[0].rotation,
-            RotationKind::quaternion);
+  // Also where none is used.
+  const AnyTable parts =
+      read_any_table(rows_under(kHeadAndHand + ",hmd_qw,hmd_qx,hmd_yaw,hmd_pitch"), "t.csv");
+  const MotionColumns none = find_columns(parts, {}, false, "t.csv");
+  EXPECT_EQ(none.parts[0].rotation, RotationKind::none);
+  EXPECT_EQ(find_columns(parts, mapping_of(parts, none), false, "t.csv").parts[0].rotation,
+            RotationKind::none);
 }
 
 /// A table with a row for each object.
@@ -295,6 +294,36 @@ TEST(ToldColumns, OfAnObjectWithoutRowsAreNotedWhereEachHasItsOwn) {
   EXPECT_EQ(of_three.tracks.size(), 3u);
   EXPECT_FALSE(of_three.triggers[0].empty());
   EXPECT_EQ(std::ranges::count(of_three.notes, note), 0);
+}
+
+// The quaternion was used, and the angles were ignored.
+TEST(ToldRotation, OfTwoKindsIsRefused) {
+  const std::string names = kHeadAndHand + ",a,b,c,d,e,f,g";
+  const ToldColumns places = {{"head.x", "hmd_x"}, {"head.y", "hmd_y"}, {"head.z", "hmd_z"}};
+  const ToldColumns quaternion = {
+      {"head.qw", "a"}, {"head.qx", "b"}, {"head.qy", "c"}, {"head.qz", "d"}};
+  const ToldColumns angles = {
+      {"head.rx", "e", "m.toml:9"}, {"head.ry", "f", "m.toml:10"}, {"head.rz", "g", "m.toml:11"}};
+  const auto joined = [](const std::vector<ToldColumns>& parts) {
+    ToldColumns all;
+    for (const ToldColumns& part : parts) all.insert(all.end(), part.begin(), part.end());
+    return all;
+  };
+  const std::string says =
+      "m.toml:9: head.qw = 'a' and head.rx = 'e' are of two rotations; expected one rotation: "
+      "columns of qw, qx, qy, qz, or of rx, ry, rz, or m00 to m22";
+  EXPECT_EQ(told_refusal(names, joined({places, quaternion, angles})), says);
+  EXPECT_EQ(told_refusal(names, joined({angles, quaternion})), says);
+  EXPECT_THAT(told_refusal(names, {{"head.ry", "a", "--columns"}, {"head.m00", "b", "--columns"}}),
+              HasSubstr("--columns: head.ry = 'a' and head.m00 = 'b' are of two rotations"));
+  // Each part may have its own kind, and the last column of a matrix is a place.
+  const ToldColumns other = {{"right.rx", "e"}, {"right.ry", "f"}, {"right.rz", "g"}};
+  const MotionColumns both = with_told(names, joined({quaternion, other}));
+  EXPECT_EQ(both.parts[0].rotation, RotationKind::quaternion);
+  EXPECT_EQ(both.parts[2].rotation, RotationKind::angles);
+  const ToldColumns fourth = {{"head.m03", "e"}, {"head.m13", "f"}, {"head.m23", "g"}};
+  EXPECT_EQ(with_told(names, joined({quaternion, fourth})).parts[0].rotation,
+            RotationKind::quaternion);
 }
 
 }  // namespace
