@@ -208,7 +208,8 @@ void analyse(const AnalyseOptions& options) {
   say_outdated(study, rows);
   const std::string who = whom(rows, options.mixing);
   const fs::path script = study.at.root / "model.R";
-  const StudyLock lock(study.at.questionnaire(), "analysing this study");
+  // Not the study's folder, which those who plan lock; and a questionnaire may be a link that studies share.
+  const StudyLock lock(people.parent_path(), "analysing this study");
   bool changed = false;
   try {
     changed = require_script(study, script);

@@ -258,5 +258,26 @@ TEST_F(PlannedInPlace, AStudyWithALinkToItsDesignIsNotBegunAgainBesideSessionsOr
   expect_not_begun("answers");
 }
 
+// Studies whose questionnaires are links to one file locked each other out.
+TEST_F(PlannedInPlace, StudiesThatShareAQuestionnaireAreAnalysedApart) {
+  ASSERT_EQ(headpin("experiment plan --people 1 -o study").code, 0);
+  fs::rename(folder_ / "study/questionnaire.toml", folder_ / "shared.toml");
+  fs::create_symlink("../shared.toml", folder_ / "study/questionnaire.toml");
+  fs::create_directory(folder_ / "study/tables");
+  spit(folder_ / "study/tables/participants.csv", "participant,counts,virtual\np001,yes,yes\n");
+  // As a process would hold it that analyses this study, or another one.
+  const auto analysed_beside = [&](const std::string& locked) {
+    const std::string command = "cd '" + folder_.string() + "' && flock -n " + locked +
+                                " '" HEADPIN_PROGRAM
+                                "' experiment analyse study >out.txt 2>err.txt";
+    return WEXITSTATUS(std::system(command.c_str()));
+  };
+  EXPECT_EQ(analysed_beside("study/tables"), 75);
+  EXPECT_THAT(slurp(folder_ / "err.txt"),
+              testing::HasSubstr("study/tables: another headpin is analysing this study\n"));
+  EXPECT_EQ(analysed_beside("shared.toml"), 1);  // no R, or a table that its script refuses
+  EXPECT_THAT(slurp(folder_ / "err.txt"), testing::Not(testing::HasSubstr("another headpin")));
+}
+
 }  // namespace
 }  // namespace headpin
