@@ -14,6 +14,7 @@
 #include "base/left_parts.h"
 #include "base/output_file.h"
 #include "base/sha256.h"
+#include "base/shell_word.h"
 #include "base/work_folder.h"
 #include "scene/scenario/nearest.h"
 #include "scene/stage/read_scenario.h"
@@ -162,6 +163,31 @@ std::string_view without_line_end(std::string_view text) {
   return text.substr(0, text.find('\n'));
 }
 
+/// Refuses a line of rows.csv that is another one, by the cells from the first other one on.
+/// @param rest  of the text, from the line on
+[[noreturn]] void refuse_line(const std::string& path, std::int64_t line,
+                              std::string_view expected, std::string_view rest) {
+  const std::string place = fmt::format("{}:{}", path, line);
+  const std::string_view wanted = without_line_end(expected), found = without_line_end(rest);
+  if (found.ends_with('\r') && found.substr(0, found.size() - 1) == wanted) {
+    throw std::runtime_error(fmt::format(
+        "{}: expected a line that ends with a line feed, found one that ends with a carriage return "
+        "and a line feed; `sed -i 's/\\r$//' {}` changes all of them back",
+        place, base::typed_word(path)));
+  }
+  if (rest == wanted) {
+    throw std::runtime_error(place + ": expected a line feed at its end, found none");
+  }
+  const auto same =
+      static_cast<std::size_t>(std::ranges::mismatch(wanted, found).in1 - wanted.begin());
+  const std::size_t comma = wanted.substr(0, same).rfind(',');
+  const std::size_t cell = comma == std::string_view::npos ? 0 : comma + 1;
+  throw std::runtime_error(fmt::format(
+      "{}: expected '{}', as sweep.toml and the trials say, found '{}'; plan a new sweep to have "
+      "other rows",
+      place, study::shown(wanted.substr(cell)), study::shown(found.substr(cell))));
+}
+
 /// Compares rows.csv with the rows, line by line.
 /// @return  its SHA-256
 std::string require_rows(const fs::path& path, const Rows& rows) {
@@ -170,12 +196,7 @@ std::string require_rows(const fs::path& path, const Rows& rows) {
   const auto require = [&](std::int64_t line, const std::string& expected) {
     const std::string_view rest = std::string_view(text).substr(at);
     at += expected.size();
-    if (rest.starts_with(expected)) return;
-    throw std::runtime_error(fmt::format(
-        "{}:{}: expected '{}', as sweep.toml and the trials say, found '{}'; plan a new "
-        "sweep to have other rows",
-        path.string(), line, study::shown(without_line_end(expected)),
-        study::shown(without_line_end(rest))));
+    if (!rest.starts_with(expected)) refuse_line(path.string(), line, expected, rest);
   };
   require(1, study::csv_line(columns_of(rows)));
   for (std::int64_t i = 0; i < rows.size(); ++i) {

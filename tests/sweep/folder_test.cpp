@@ -72,5 +72,31 @@ TEST_F(SweepFolderTest, KeysOfVersionsStandForThoseOfBothOnlyInRowsWithVersions)
   EXPECT_EQ(planned(keys), "");
 }
 
+// What was expected and what was found looked equal: of a line its end, or its first 40 letters.
+TEST_F(SweepFolderTest, OfAnotherLineItIsSaidWhereItDiffers) {
+  ASSERT_EQ(planned("shape = ['ellipsoid', 'true']\nfriction = [0.25]\n"), "");
+  const SweepFolder at{folder_ / "sweep"};
+  const std::string rows = slurp(at.rows());
+  const auto said_of = [&](const std::string& text) {
+    spit(at.rows(), text);
+    return complaint([&] { open_sweep(at.root); });
+  };
+  std::string crlf;
+  for (const char c : rows) crlf += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  EXPECT_EQ(said_of(crlf),
+            at.rows().string() +
+                ":1: expected a line that ends with a line feed, found one that ends with a "
+                "carriage return and a line feed; `sed -i 's/\\r$//' " +
+                at.rows().string() + "` changes all of them back");
+  EXPECT_EQ(said_of(rows.substr(0, rows.size() - 1)),
+            at.rows().string() + ":3: expected a line feed at its end, found none");
+  std::string other = rows;
+  other[other.rfind("0.25") + 3] = '6';
+  EXPECT_THAT(said_of(other),
+              testing::HasSubstr(":3: expected '0.25', as sweep.toml and the trials say, found "
+                                 "'0.26'; plan a new sweep"));
+  EXPECT_EQ(said_of(rows), "");
+}
+
 }  // namespace
 }  // namespace headpin::sweep
