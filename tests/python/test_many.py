@@ -122,6 +122,13 @@ class Replays(unittest.TestCase):
         self.assertTrue(np.isnan(bad["skittles_down"]))
         self.assertEqual(bad["state_hash"], "")
 
+    def test_each_item_of_the_list_has_its_rows(self):
+        found = headpin.replay_many([support.DEMO, support.DEMO], {"friction": [0.1, 0.6]})
+        self.assertEqual(found["friction"].tolist(), [0.1, 0.1, 0.6, 0.6])
+        hashes = found["state_hash"].tolist()
+        self.assertEqual(hashes[0::2], hashes[1::2])
+        self.assertNotEqual(hashes[0], hashes[2])
+
     def test_no_trial_has_the_columns_of_one(self):
         none, one = (headpin.replay_many(trials, {"friction": [0.2]}) for trials in ([], support.DEMO))
         self.assertEqual(len(none), 0)

@@ -13,7 +13,9 @@ from . import _headpin
 def replay_many(trials, table, threads=0, progress=None):
     """Replays every trial under every condition of a table, in threads of C++.
 
-    trials: paths or Trial objects; one, or a list.
+    trials: paths or Trial objects; one, or a list. Each item of the list has its rows, in that
+        order: also a trial that is there twice, which counts twice in a mean over the rows.
+        (`headpin sweep` refuses one.)
     table: the conditions. A dict of columns (a key and its values; a single value stands for all
         rows), a list of dicts, a structured array or a pandas data frame. The keys are those of
         `headpin sweep`: elasticity, friction, shape, response, detection, iterations, and every key
