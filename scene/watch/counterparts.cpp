@@ -1,6 +1,7 @@
 #include "scene/watch/counterparts.h"
 
 #include <algorithm>
+#include <variant>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -33,6 +34,43 @@ std::string why_not_thrown(std::span<const Event> events, Time before, Time time
   return "not thrown";
 }
 
+/// Whether anything in the rest of a trial can still throw a ball or count one.
+///
+/// Whether the hand finds a ball depends on where the balls are, so the simulation goes on as long as there
+/// are buttons. After the last one, only a ball that is thrown can be counted.
+class ThrowsAhead {
+ public:
+  explicit ThrowsAhead(const TrialFile& file) {
+    file.walk([&](const TrialFile::Item& item) {
+      const auto* sample = std::get_if<devices::Sample>(&item);
+      if (sample && std::holds_alternative<devices::MouseSample>(*sample)) ++buttons_;
+      return true;
+    });
+  }
+
+  /// After each tick.
+  void see(const Session& session) {
+    for (const devices::Sample& sample : session.samples) {
+      if (std::holds_alternative<devices::MouseSample>(sample)) --buttons_;
+    }
+    for (const Event& event : session.events) {
+      if (event.kind == kind::release && is_of_ball(event)) uncounted_ = true;
+      if (event.kind == kind::delivery) uncounted_ = false;
+    }
+  }
+
+  bool any(const Session& session) const {
+    if (buttons_ > 0 || !session.player.buttons.empty()) return true;
+    const bool another_version = session.versions[0] != nullptr;  // begins another game
+    return uncounted_ && rules_of(session.scenario().game.rules).counted &&
+           (another_version || !session.game.over);
+  }
+
+ private:
+  std::int64_t buttons_ = 0;  ///< that are still to come
+  bool uncounted_ = false;    ///< the last ball that was thrown is not counted
+};
+
 }  // namespace
 
 std::vector<ThrownBall> thrown(std::span<const Event> events) {
@@ -63,10 +101,13 @@ std::vector<Event> events_of(const TrialFile& file, const Scenario& scenario,
   std::vector<Event> events;
   TrialPlayer source(file);
   Session session = make_session(scenario);
+  session.hashes = false;
+  ThrowsAhead ahead(file);
   const std::int64_t ticks = tick_count(trial, scenario.rates.physics_hz);
-  while (session.tick < ticks) {
+  while (session.tick < ticks && ahead.any(session)) {
     if (each_tick) each_tick();
     advance(session, source);
+    ahead.see(session);
     events.insert(events.end(), session.events.begin(), session.events.end());
   }
   return events;

@@ -29,8 +29,9 @@ std::vector<ThrownBall> thrown(std::span<const Event> events);
 /// Whether a trial has the events of its session; one with only samples does not.
 bool says_events(const TrialSummary& trial);
 
-/// The events of a recorded session: those of its trial or, if it has only samples, those of a
-/// simulation under the recorded condition.
+/// The events of a recorded session that tell its throws: those of its trial or, if it has only samples,
+/// those of a simulation under the recorded condition, which ends when no ball can be thrown or counted
+/// any more.
 ///
 /// @param each_tick  called before each tick that is simulated for that
 std::vector<Event> events_of(const TrialFile& file, const Scenario& scenario,

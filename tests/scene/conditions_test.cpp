@@ -3,16 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 
 #include <gmock/gmock.h>
 
 #include "devices/base/sources.h"
 #include "scene/record/events.h"
+#include "scene/record/log.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/counterparts.h"
 #include "scene/watch/each_throw.h"
+#include "scene/watch/recorded.h"
 #include "tests/scene/session_fixture.h"
+#include "tests/support/folder.h"
 #include "tests/support/hand_script.h"
 
 namespace headpin::scene {
@@ -297,6 +301,42 @@ TEST(Differences, AreTheKeysThatDifferAndBothValues) {
     set(a, one.key + "=" + one.b);  // each is an assignment
   }
   EXPECT_EQ(to_toml(a), to_toml(b));
+}
+
+/// A trial of samples alone.
+TrialFile log_of(const std::vector<devices::Sample>& samples) {
+  const std::filesystem::path path = fresh_folder("conditions") / "trial.lcmlog";
+  Recorder recorder(path, TrialHeader{});
+  for (const devices::Sample& sample : samples) recorder.write(sample);
+  recorder.close();
+  return TrialFile(path);
+}
+
+/// A trial of samples is simulated to find its throws: no longer than they need.
+void expect_throws_found_early(const Scenario& scenario, const HandScript& hand) {
+  const TrialFile file = log_of(hand.samples);
+  std::int64_t ticks = 0;
+  const std::vector<Event> found = events_of(file, scenario, [&] { ++ticks; });
+  EXPECT_LT(ticks, tick_count(file.summary(), scenario.rates.physics_hz) - 240);
+  const std::vector<Event> all = run_with(scenario, hand.samples).watched.events;
+  ASSERT_FALSE(thrown(all).empty());
+  ASSERT_EQ(thrown(found).size(), thrown(all).size());
+  EXPECT_EQ(thrown(found).back().felled.has_value(), thrown(all).back().felled.has_value());
+  EXPECT_TRUE(without_counterpart(all, found).empty());
+  EXPECT_TRUE(without_counterpart(found, all).empty());
+}
+
+TEST(Counterparts, OfATrialOfSamplesAreSoughtUntilTheLastBallIsCounted) {
+  Scenario scenario = four_balls();
+  scenario.game.ball_back_s = 2.0;
+  expect_throws_found_early(scenario, four_throws(scenario));
+}
+
+TEST(Counterparts, OfATrialWithoutAGameAreSoughtUntilTheLastRelease) {
+  const Scenario scenario;
+  HandScript hand(scenario);
+  hand.throw_from(0.02);
+  expect_throws_found_early(scenario, hand);
 }
 
 }  // namespace
