@@ -201,6 +201,12 @@ void TcpServer::hang_up() {
   if (client_ >= 0) ::close(client_);
   client_ = -1;
   end_.reset();
+  newcomer_waits_ = false;
+}
+
+int TcpServer::descriptor() const {
+  if (client_ >= 0 && !end_) return client_;
+  return newcomer_waits_ ? -1 : listener_;
 }
 
 bool TcpServer::is_answered() {
@@ -211,11 +217,13 @@ bool TcpServer::is_answered() {
 }
 
 bool TcpServer::renewed() {
+  newcomer_waits_ = false;
   pollfd door{listener_, POLLIN, 0};
   if (::poll(&door, 1, 0) != 1)
     return false;  // before the client is looked at, which may leave now
   const bool leaves = client_ >= 0 && has_left(client_);
-  if (leaves && (has_unread(client_) || is_answered())) return false;  // a newcomer waits
+  newcomer_waits_ = leaves && (has_unread(client_) || is_answered());
+  if (newcomer_waits_) return false;
   const int newcomer = accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
   if (newcomer < 0) return false;
   if (client_ >= 0 && !leaves) {

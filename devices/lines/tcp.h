@@ -49,8 +49,9 @@ class TcpServer : public ByteStream {
   /// says so.
   bool renewed() override;
   bool closed() const override { return false; }
-  /// The client's while it may send.
-  int descriptor() const override { return client_ >= 0 && !end_ ? client_ : listener_; }
+  /// The client's while it may send. -1 while a newcomer waits for the answers of one that sends no more: no
+  /// descriptor has news when that is over, and the newcomer's would have them all the time.
+  int descriptor() const override;
 
  private:
   void hang_up();
@@ -61,6 +62,7 @@ class TcpServer : public ByteStream {
   int listener_ = -1;
   int client_ = -1;
   std::optional<TimePoint> end_;  ///< since when it is known that the client sends no more
+  bool newcomer_waits_ = false;   ///< until the client has its answers
   TimePoint last_taken_{};        ///< when it last took bytes
   TimePoint last_heard_{};        ///< when bytes were last read
   std::string address_;

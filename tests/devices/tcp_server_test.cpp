@@ -333,5 +333,21 @@ TEST(TcpServerTest, ANewcomerWaitsForAnAnswerOfALongTimeButNotForAStreamWithoutE
   }
 }
 
+// Whoever served the line looked at it without a pause for up to 4 s: the newcomer was news all the time.
+TEST(TcpServerTest, ANewcomerWhoWaitsIsNoNewsUntilTheLineIsFree) {
+  Connected both;
+  const auto newcomer = come_behind_last_words(both, "S");
+  ASSERT_TRUE(has_news(both.server->descriptor()));
+  EXPECT_EQ(hear(*both.server, 1), "S");
+  std::array<std::uint8_t, 8> bytes{};
+  EXPECT_EQ(both.server->read(bytes), 0u);
+  while (!both.server->renewed()) {
+    ASSERT_EQ(both.server->descriptor(), -1);
+    ::poll(nullptr, 0, 1);
+  }
+  ASSERT_TRUE(has_news(both.server->descriptor()));
+  EXPECT_EQ(hear(*both.server, 1), "S");
+}
+
 }  // namespace
 }  // namespace headpin::devices
