@@ -21,10 +21,23 @@ std::size_t column_named(std::string_view name) {
 
 }  // namespace
 
-Averages::Averages(const Rows& rows) : rows_(rows) {
-  std::size_t points = 1;
-  for (const Axis& axis : rows.design().grid) points *= axis.values.size();
-  points_.resize(points);
+std::vector<Axis> with_chosen(std::vector<Axis> grid, const Chosen& chosen) {
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (chosen[i]) grid[i].values = {grid[i].values[*chosen[i]]};
+  }
+  return grid;
+}
+
+std::int64_t point_count(const std::vector<Axis>& grid) {
+  std::int64_t points = 1;
+  for (const Axis& axis : grid) points *= std::ssize(axis.values);
+  return points;
+}
+
+Averages::Averages(const Rows& rows, const Chosen& chosen)
+    : rows_(rows), chosen_(chosen), grid_(with_chosen(rows.design().grid, chosen)) {
+  chosen_.resize(grid_.size());
+  points_.resize(static_cast<std::size_t>(point_count(grid_)));
   for (Point& point : points_) {
     point.sums.resize(result_columns().size());
     point.count.resize(result_columns().size());
@@ -39,9 +52,9 @@ void Averages::add(std::int64_t number, const std::vector<std::string>& cells) {
     throw std::runtime_error(fmt::format("row {}: expected {} cells, found {}", number + 1,
                                          own + result_columns().size(), cells.size()));
   }
-  const Design& design = rows_.design();
-  const std::int64_t each = std::ssize(design.trials) * design.draws;
-  Point& point = points_[static_cast<std::size_t>(number / each)];
+  const std::optional<std::size_t> place = point_of(number);
+  if (!place) return;
+  Point& point = points_[*place];
   if (point.first < 0) point.first = number;
   ++point.rows;
   if (!cells.back().empty()) {
@@ -80,10 +93,25 @@ std::vector<Failure> Averages::failures() const {
   return all;
 }
 
+std::optional<std::size_t> Averages::point_of(std::int64_t number) const {
+  const Design& design = rows_.design();
+  const std::int64_t each = std::ssize(design.trials) * design.draws;
+  auto left = static_cast<std::size_t>(number / each);
+  std::size_t point = 0, stride = 1;
+  for (std::size_t i = grid_.size(); i-- > 0;) {  // the last axis changes fastest
+    const std::size_t count = design.grid[i].values.size(), value = left % count;
+    left /= count;
+    if (chosen_[i] && *chosen_[i] != value) return std::nullopt;
+    if (!chosen_[i]) point += stride * value;
+    stride *= grid_[i].values.size();
+  }
+  return point;
+}
+
 const Point& Averages::at(const std::vector<std::size_t>& place) const {
   std::size_t number = 0;
-  const std::vector<Axis>& grid = rows_.design().grid;
-  for (std::size_t i = 0; i < grid.size(); ++i) number = number * grid[i].values.size() + place[i];
+  for (std::size_t i = 0; i < grid_.size(); ++i)
+    number = number * grid_[i].values.size() + place[i];
   return points_[number];
 }
 

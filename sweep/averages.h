@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,18 +25,27 @@ struct Failure {
   std::int64_t rows = 0;
   std::int64_t first = -1;  ///< number of the first of them
 };
+/// For each axis of a grid which of its values is looked at; none: all of them. Empty: all of all.
+using Chosen = std::vector<std::optional<std::size_t>>;
+
+/// A grid with only the chosen values, and how many points it has.
+std::vector<Axis> with_chosen(std::vector<Axis> grid, const Chosen& chosen);
+std::int64_t point_count(const std::vector<Axis>& grid);
 
 /// The results of a sweep, by point of the grid.
 class Averages {
  public:
-  explicit Averages(const Rows& rows);
+  /// @param chosen  rows with other values are left out
+  explicit Averages(const Rows& rows, const Chosen& chosen = {});
 
   /// Adds a row of results.
   /// @param cells  of its line
   /// @throws std::runtime_error  when they are more or fewer than a table of results has
   void add(std::int64_t number, const std::vector<std::string>& cells);
 
-  /// @param place  which value of each axis of the grid
+  /// That of the design, with only the chosen values.
+  const std::vector<Axis>& grid() const { return grid_; }
+  /// @param place  which value of each axis of grid()
   const Point& at(const std::vector<std::size_t>& place) const;
   const std::vector<Point>& points() const { return points_; }
 
@@ -45,8 +55,12 @@ class Averages {
 
  private:
   void count_failure(std::int64_t number, const std::string& reason);
+  /// Which point a row is of; nothing for one that is left out.
+  std::optional<std::size_t> point_of(std::int64_t number) const;
 
   const Rows& rows_;
+  Chosen chosen_;
+  std::vector<Axis> grid_;
   std::vector<Point> points_;
   std::map<std::string, Failure> failures_;  // by reason
   Failure others_{"other reasons"};

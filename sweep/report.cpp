@@ -45,8 +45,7 @@ using Place = std::vector<std::size_t>;
 
 class Page {
  public:
-  Page(const Rows& rows, const Averages& averages, std::size_t x, std::size_t y)
-      : rows_(rows), averages_(averages), x_(x), y_(y) {
+  Page(const Averages& averages, std::size_t x, std::size_t y) : averages_(averages), x_(x), y_(y) {
     Place place(grid().size());
     for (;;) {
       panels_.push_back(place);
@@ -84,7 +83,7 @@ class Page {
  private:
   static constexpr double kLeft = 62.0, kTop = 26.0, kWide = 270.0, kHigh = 230.0;
 
-  const std::vector<Axis>& grid() const { return rows_.design().grid; }
+  const std::vector<Axis>& grid() const { return averages_.grid(); }
   bool is_mapped(std::size_t axis) const { return axis == x_ || axis == y_; }
   std::size_t count(std::size_t axis) const { return grid()[axis].values.size(); }
 
@@ -253,7 +252,6 @@ class Page {
     return html + "</table>\n";
   }
 
-  const Rows& rows_;
   const Averages& averages_;
   std::size_t x_, y_;
   std::vector<Place> panels_;
@@ -321,7 +319,7 @@ std::string command_of(const Rows& rows, const Row& row, const std::string& fold
 
 std::string html_report(const Rows& rows, const Averages& averages, std::size_t x, std::size_t y,
                         const std::string& folder, std::int64_t done) {
-  const Page page(rows, averages, x, y);
+  const Page page(averages, x, y);
   const Design& design = rows.design();
   std::string html = fmt::format(
       "<!doctype html>\n<html lang=en><meta charset=utf-8><title>Sweep</title>\n<style>{}</style>\n"
@@ -342,10 +340,9 @@ std::string html_report(const Rows& rows, const Averages& averages, std::size_t 
     commands.push_back(point.first < 0 ? "not simulated yet"
                                        : command_of(rows, rows.at(point.first), folder));
   }
-  return html + fmt::format(
-                    "<div id=command>headpin replay ...</div>\n<script>const C={};{}"
-                    "</script>\n",
-                    in_script(commands), kScript);
+  html += "<div id=command>headpin replay ...</div>\n<script>const C=";
+  html += in_script(commands);
+  return html += fmt::format(";{}</script>\n", kScript);
 }
 
 }  // namespace headpin::sweep

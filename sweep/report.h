@@ -1,10 +1,14 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "sweep/averages.h"
 
 namespace headpin::sweep {
+
+/// Most points that a page has: it is 120 MB long then, which browsers just open.
+inline constexpr std::int64_t kMostPoints = 100'000;
 
 /// The page of a sweep: why rows failed, and for each result a map over two axes of the grid, slices of it, and a
 /// table; for each combination of the other axes.

@@ -1,6 +1,10 @@
 #include <algorithm>
+#include <charconv>
 #include <memory>
 #include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -21,27 +25,100 @@ namespace {
 
 struct ReportSweepOptions {
   std::string sweep, x, y;
+  std::vector<std::string> at;  ///< KEY=VALUE
   std::optional<std::string> output;
   bool force = false, json = false;
 };
 
-/// The axis of that name, or else the first one that has more than one value and is not `other`.
-std::size_t axis_of(const sweep::Design& design, const char* option, const std::string& name,
-                    std::optional<std::size_t> other) {
-  if (name.empty()) {
-    for (std::size_t i = 0; i < design.grid.size(); ++i) {
-      if (design.grid[i].values.size() > 1 && i != other) return i;
-    }
-    return other.value_or(0);
-  }
+using Grid = std::vector<sweep::Axis>;
+
+/// The axis with that key.
+std::size_t axis_named(const Grid& grid, const char* option, const std::string& name) {
+  const auto found = std::ranges::find(grid, name, &sweep::Axis::key);
+  if (found != grid.end()) return static_cast<std::size_t>(found - grid.begin());
   std::vector<std::string> keys;
-  for (const sweep::Axis& axis : design.grid) keys.push_back(axis.key);
-  const auto found = std::ranges::find(keys, name);
-  if (found == keys.end()) {
-    throw UsageError(fmt::format("{}: expected a key of the grid: {}; found '{}'", option,
-                                 fmt::join(keys, ", "), study::shown(name)));
+  for (const sweep::Axis& axis : grid) keys.push_back(axis.key);
+  throw UsageError(fmt::format("{}: expected a key of the grid: {}; found '{}'", option,
+                               fmt::join(keys, ", "), study::shown(name)));
+}
+
+/// The axis of that name, or else the first one that has more than one value and is not `other`.
+std::size_t axis_of(const Grid& grid, const char* option, const std::string& name,
+                    std::optional<std::size_t> other) {
+  if (!name.empty()) return axis_named(grid, option, name);
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    if (grid[i].values.size() > 1 && i != other) return i;
   }
-  return static_cast<std::size_t>(found - keys.begin());
+  return other.value_or(0);
+}
+
+std::optional<double> number_in(const std::string& text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// Which value of an axis a text is, also with other digits of the same number.
+std::size_t value_of(const sweep::Axis& axis, const std::string& text) {
+  const std::optional<double> number = number_in(text);
+  const auto found = std::ranges::find_if(axis.values, [&](const std::string& value) {
+    return value == text || (number && number_in(value) == number);
+  });
+  if (found != axis.values.end()) return static_cast<std::size_t>(found - axis.values.begin());
+  constexpr std::size_t kNamed = 8;
+  const auto end =
+      axis.values.begin() + static_cast<std::ptrdiff_t>(std::min(kNamed, axis.values.size()));
+  throw UsageError(fmt::format("--at: {}: expected a value of the grid: {}{}; found '{}'", axis.key,
+                               fmt::join(axis.values.begin(), end, ", "),
+                               axis.values.size() > kNamed ? ", ..." : "", study::shown(text)));
+}
+
+sweep::Chosen chosen_of(const Grid& grid, const std::vector<std::string>& at) {
+  sweep::Chosen chosen(grid.size());
+  for (const std::string& one : at) {
+    const std::size_t equals = one.find('=');
+    if (equals == std::string::npos) {
+      throw UsageError(fmt::format("--at: expected KEY=VALUE, found '{}'", study::shown(one)));
+    }
+    const std::size_t axis = axis_named(grid, "--at", one.substr(0, equals));
+    if (chosen[axis]) {
+      throw UsageError(fmt::format("--at: expected one value of {}, found two", grid[axis].key));
+    }
+    chosen[axis] = value_of(grid[axis], one.substr(equals + 1));
+  }
+  return chosen;
+}
+
+/// Refuses a page that no browser would open, before gigabytes are taken to make it.
+void require_few_points(const Grid& grid) {
+  const std::int64_t points = sweep::point_count(grid);
+  if (points <= sweep::kMostPoints) return;
+  throw std::runtime_error(fmt::format(
+      "expected at most {} points on a page, found {}: take one value of a key by --at KEY=VALUE, "
+      "or write all rows as a table by `headpin sweep merge`",
+      sweep::kMostPoints, points));
+}
+
+/// Adds all rows that are there. @return  how many
+std::int64_t add_rows(const sweep::Sweep& sweep, sweep::Averages& averages) {
+  std::int64_t done = 0;
+  std::vector<std::string> lines;
+  Progress progress("pieces", sweep.pieces.size());
+  for (std::int64_t i = 0; i < sweep.pieces.size(); ++i) {
+    check_stop();
+    progress.show(i);
+    const sweep::Piece piece = sweep.pieces.at(i);
+    if (!sweep::piece_of(sweep, piece, &lines)) continue;
+    std::string text = sweep.columns;
+    for (const std::string& line : lines) text += line;
+    const study::CsvTable table = study::parse_csv(text, sweep.at.piece(piece).string());
+    for (std::size_t j = 0; j < table.rows.size(); ++j) {
+      averages.add(piece.first + static_cast<std::int64_t>(j), table.rows[j].cells);
+    }
+    done += std::ssize(lines);
+  }
+  return done;
 }
 
 /// Why rows failed, as JSON.
@@ -71,29 +148,15 @@ void report_sweep(const ReportSweepOptions& options) {
     throw std::runtime_error(sweep.at.design().string() +
                              ": expected a [grid] to draw maps over, found none");
   }
+  const sweep::Chosen chosen = chosen_of(sweep.rows.design().grid, options.at);
+  const Grid grid = sweep::with_chosen(sweep.rows.design().grid, chosen);
   std::optional<std::size_t> given_y;
-  if (!options.y.empty()) given_y = axis_of(sweep.rows.design(), "--y", options.y, std::nullopt);
-  const std::size_t x = axis_of(sweep.rows.design(), "--x", options.x, given_y);
-  const std::size_t y = given_y ? *given_y : axis_of(sweep.rows.design(), "--y", "", x);
-  sweep::Averages averages(sweep.rows);
-  std::int64_t done = 0;
-  std::vector<std::string> lines;
-  {
-    Progress progress("pieces", sweep.pieces.size());
-    for (std::int64_t i = 0; i < sweep.pieces.size(); ++i) {
-      check_stop();
-      progress.show(i);
-      const sweep::Piece piece = sweep.pieces.at(i);
-      if (!sweep::piece_of(sweep, piece, &lines)) continue;
-      std::string text = sweep.columns;
-      for (const std::string& line : lines) text += line;
-      const study::CsvTable table = study::parse_csv(text, sweep.at.piece(piece).string());
-      for (std::size_t j = 0; j < table.rows.size(); ++j) {
-        averages.add(piece.first + static_cast<std::int64_t>(j), table.rows[j].cells);
-      }
-      done += std::ssize(lines);
-    }
-  }
+  if (!options.y.empty()) given_y = axis_of(grid, "--y", options.y, std::nullopt);
+  const std::size_t x = axis_of(grid, "--x", options.x, given_y);
+  const std::size_t y = given_y ? *given_y : axis_of(grid, "--y", "", x);
+  require_few_points(grid);
+  sweep::Averages averages(sweep.rows, chosen);
+  const std::int64_t done = add_rows(sweep, averages);
   const std::string html = sweep::html_report(sweep.rows, averages, x, y, options.sweep, done);
   base::OutputFile file(*options.output, {.overwrite = options.force, .standard_output = true});
   file.write(html.data(), html.size());
@@ -109,8 +172,7 @@ void report_sweep(const ReportSweepOptions& options) {
                        {"failed", failed},
                        {"failures", json_of(failures)}});
   }
-  const std::string& of_x = sweep.rows.design().grid[x].key;
-  const std::string& of_y = sweep.rows.design().grid[y].key;
+  const std::string &of_x = grid[x].key, &of_y = grid[y].key;
   fmt::print("{}: {} of {} rows, over {}{}\n", *options.output, done, sweep.rows.size(), of_x,
              x == y ? "" : " and " + of_y);
   print_failures(failures);
@@ -128,6 +190,11 @@ void add_sweep_report(CLI::App& group) {
                       "key of the grid along the map; the first one when not given");
   command->add_option("--y", options->y,
                       "key of the grid up the map; the second one when not given");
+  command
+      ->add_option("--at", options->at,
+                   "take only the rows with this value of a key of the grid, KEY=VALUE; may be "
+                   "repeated")
+      ->allow_extra_args(false);
   add_force(*command, options->force);
   add_json(*command, options->json);
   command->footer(

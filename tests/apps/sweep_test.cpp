@@ -395,5 +395,28 @@ TEST_F(SweepCommands, AReportOfFailedRowsSaysWhyTheyFailed) {
   EXPECT_EQ(told["failures"][0]["first_row"], 1);
 }
 
+// A page of a million points took 3 GB, and had 1.2 GB.
+TEST_F(SweepCommands, AReportOfTooManyPointsIsRefusedAndFewerAreChosen) {
+  write_design(
+      "[grid]\nelasticity = {from = 0, to = 1, steps = 401}\n"
+      "friction = {from = 0, to = 1, steps = 251}\n");
+  plan("large");
+  expect_refusal("sweep report large -o OUT.html", 1,
+                 "at most 100000 points on a page, found 100651");
+  EXPECT_THAT(headpin("sweep report large -o half.html --at elasticity=0.50").out,
+              HasSubstr("over friction\n"));
+  const std::string half = slurp(folder_ / "half.html"), point = "not simulated yet";
+  std::size_t points = 0;
+  for (std::size_t at = 0; (at = half.find(point, at)) != std::string::npos; ++at) ++points;
+  EXPECT_EQ(points, 251u);
+  expect_refusal("sweep report large -o OUT.html --at friction", 2, "expected KEY=VALUE");
+  expect_refusal("sweep report large -o OUT.html --at ball.mass=5", 2,
+                 "expected a key of the grid");
+  expect_refusal("sweep report large -o OUT.html --at friction=2", 2,
+                 "expected a value of the grid");
+  expect_refusal("sweep report large -o OUT.html --at friction=0 --at friction=1", 2,
+                 "expected one value of friction");
+}
+
 }  // namespace
 }  // namespace headpin

@@ -1,6 +1,7 @@
 #include "sweep/report.h"
 
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -168,6 +169,32 @@ TEST(SweepReport, CountsReasonsBeyondAThousandTogether) {
   EXPECT_EQ(failures.back().first, 1000);
   EXPECT_THAT(html_report(rows, averages, 0, 0, "sweep", rows.size()),
               HasSubstr("There are 981 more reasons."));
+}
+
+TEST(SweepAverages, OfAChosenValueLeaveOutTheRowsOfOthers) {
+  const Rows rows(kDesign, {"A", "B"});
+  const Chosen chosen = {std::nullopt, 1, std::nullopt};  // friction 1
+  Averages all(rows), some(rows, chosen);
+  for (std::int64_t i = 0; i < rows.size(); ++i) {
+    const auto cells = cells_with(rows, i, static_cast<double>(i));
+    all.add(i, cells);
+    some.add(i, cells);
+  }
+  EXPECT_EQ(point_count(kDesign.grid), 12);
+  ASSERT_EQ(some.points().size(), 6u);
+  for (std::size_t elasticity = 0; elasticity < 3; ++elasticity) {
+    for (std::size_t shape = 0; shape < 2; ++shape) {
+      const Point& point = some.at({elasticity, 0, shape});
+      EXPECT_EQ(point.rows, 6);
+      EXPECT_EQ(point.first, all.at({elasticity, 1, shape}).first);
+      EXPECT_EQ(mean(point, 0), mean(all.at({elasticity, 1, shape}), 0));
+    }
+  }
+  const std::string html = html_report(rows, some, 0, 2, "sweep", rows.size());
+  EXPECT_THAT(html, HasSubstr("friction = 1"));
+  EXPECT_THAT(html, Not(HasSubstr("friction = 0")));
+  EXPECT_THAT(html, HasSubstr("data-i='5'"));
+  EXPECT_THAT(html, Not(HasSubstr("data-i='6'")));
 }
 
 }  // namespace
