@@ -173,9 +173,10 @@ void add_serve(CLI::App& app) {
   add_condition_options(*command, options->condition);
   add_json(*command, options->json);
   command->footer(
-      "Each link is for one game of one person. The operator's page makes more links. It shows who "
-      "is playing, and the room. With a study,\neach link is for the next participant of the plan; "
-      "the questions are asked in the page after the game.\n\n"
+      "Each link is for one game of one person. The operator's page makes more links, in a study "
+      "also for a participant whose game\nwas cut off. It shows who is playing, and the room. With a "
+      "study, each link is for the next participant of the plan; the\nquestions are asked in the "
+      "page after the game.\n\n"
       "Example:\n  headpin serve regulation-ten-pin -o games --bind 0.0.0.0\n  headpin serve study --port 9000");
   command->callback([options] { serve(*options); });
 }

@@ -26,6 +26,7 @@ std::string name_of(const Guest& guest) {
 
 const char* word(Guest::State state) {
   if (state == Guest::State::invited) return "invited";
+  if (state == Guest::State::cut_off) return "cut off";
   return state == Guest::State::playing ? "playing" : "ended";
 }
 
@@ -47,7 +48,22 @@ bool is_token(std::string_view text) {
 }
 
 Guest& Guests::invite() {
-  Place place = next_();
+  return add_guest(next_());
+}
+
+Guest& Guests::invite_again(std::string_view token) {
+  Guest& before = find(token);
+  if (before.state != Guest::State::playing || before.place.participant.empty()) {
+    throw Refused(409, "another link is only for a participant of a plan whose game has not ended");
+  }
+  const auto known = std::ranges::find(guests_, &before, &Guest::instead_of);
+  if (known != guests_.end()) return *known;
+  Guest& guest = add_guest(before.place);
+  guest.instead_of = &before;
+  return guest;
+}
+
+Guest& Guests::add_guest(Place place) {
   Guest& guest = guests_.emplace_back();
   guest.token = random_token();
   guest.followed = scene::FollowedLog(
@@ -78,14 +94,19 @@ Guest& Guests::to_show(std::string_view token) {
 std::int64_t Guests::begin(std::string_view token, const std::string& key) {
   if (!is_token(key)) throw Refused(400, "key: expected 32 hexadecimal digits");
   Guest& guest = find(token);
-  if (guest.state != Guest::State::invited && guest.key == key) return guest.log->size();
+  if (guest.state != Guest::State::invited && guest.key == key)
+    return playing(token, key).log->size();
   still_open(token);
+  if (guest.instead_of && guest.instead_of->state == Guest::State::ended) {
+    throw Refused(409, "this game was played to its end meanwhile");
+  }
   try {
     guest.log = guest.place.open();
   } catch (const std::exception& error) {
     tell_(error.what());
     throw Refused(500, "the game cannot be recorded here; tell the people who invited you");
   }
+  if (guest.instead_of) cut_off(*guest.instead_of);
   guest.key = key;
   guest.state = Guest::State::playing;
   guest.heard = std::chrono::steady_clock::now();
@@ -93,11 +114,22 @@ std::int64_t Guests::begin(std::string_view token, const std::string& key) {
   return 0;
 }
 
+void Guests::cut_off(Guest& guest) {
+  guest.state = Guest::State::cut_off;
+  tell_(fmt::format("{} plays by another link: {} is cut off", name_of(guest), guest.log->path()));
+  try {
+    guest.log->close();
+  } catch (const std::runtime_error& error) {
+    tell_(error.what());
+  }
+}
+
 Guest& Guests::playing(std::string_view token, const std::string& key) {
   Guest& guest = find(token);
   if (guest.state == Guest::State::invited || guest.key != key) {
     throw Refused(403, "another page plays with this link");
   }
+  if (guest.state == Guest::State::cut_off) throw Refused(403, "this game goes on by another link");
   return guest;
 }
 

@@ -50,7 +50,7 @@ struct Place {
 };
 
 struct Guest {
-  enum class State { invited, playing, ended };
+  enum class State { invited, playing, ended, cut_off };  ///< cut off: another game took its place
 
   /// Whether only the questions are left.
   bool is_to_be_asked() const { return state == State::ended && place.answer && !has_answered(); }
@@ -65,6 +65,7 @@ struct Guest {
   std::chrono::steady_clock::time_point heard;  ///< when the last piece came
   std::string trouble;                          ///< the last refusal of a piece
   std::string answers;                          ///< that are stored, as JSON; empty before
+  Guest* instead_of = nullptr;  ///< whose game, of the same participant, ends when this one begins
 };
 
 /// All guests. One thread uses it.
@@ -77,6 +78,11 @@ class Guests {
 
   /// Makes a link for one more guest.
   Guest& invite();
+  /// Makes a link for the participant of a game that does not go on: for another game from the start. The one
+  /// before may go on until that begins; what it recorded is kept. Asked again, it is the same link until then.
+  ///
+  /// @throws Refused  403 for an unknown token; 409 for a guest who is no participant of a plan, or does not play
+  Guest& invite_again(std::string_view token);
 
   /// @throws Refused  403 for an unknown token
   Guest& find(std::string_view token);
@@ -91,7 +97,7 @@ class Guests {
   /// not have got the answer to the one or the other.
   ///
   /// @return  bytes of the log that are here
-  /// @throws Refused  403 for a used link, 400 for what is no key
+  /// @throws Refused  403 for a used link, 400 for what is no key, 409 where the game before has come to its end
   std::int64_t begin(std::string_view token, const std::string& key);
 
   /// @return  bytes of the log that are here
@@ -115,6 +121,8 @@ class Guests {
 
  private:
   Guest& playing(std::string_view token, const std::string& key);
+  Guest& add_guest(Place place);
+  void cut_off(Guest& guest);
 
   std::function<Place()> next_;
   std::function<void(const std::string&)> tell_;

@@ -92,7 +92,8 @@ WebAnswer PlayServer::of_operator(const WebRequest& request) {
   if (get && request.path == "/") return {.type = kHtml, .body = watch_page()};
   if (get && request.path == "/state") return in_json({{"guests", guests_.state()}});
   if (request.method == "POST" && request.path == "/links") {
-    const Guest& guest = guests_.invite();
+    const std::string again = request.query("again");
+    const Guest& guest = again.empty() ? guests_.invite() : guests_.invite_again(again);
     return in_json({{"path", fmt::format("{}{}", kPlay, guest.token)},
                     {"participant", guest.place.participant}});
   }

@@ -308,6 +308,28 @@ test('the operator is told for whom a new link is, and why there is none', async
   await server.stop();
 });
 
+test('a participant whose page was closed in a game begins again by another link', async () => {
+  headpin('experiment', 'plan', '-o', 'closed', '--people', '1');
+  const server = await serving('closed');
+  const context = await contextOf();
+  const operator = await context.newPage();
+  await operator.goto(server.operator);
+  await operator.waitForSelector('html[data-ready]');
+  const { page: first } = await openGame(context, server.links[0]);
+  await startGame(first);
+  await sentMore(first);
+  await first.close();
+  await operator.click(`#again-${server.links[0].split('/').pop()}`);
+  await operator.waitForSelector('#link a');
+  assert.match(await operator.textContent('#link'), /^The new link, for p001: http/);
+  const { page: second } = await openGame(context, await operator.getAttribute('#link a', 'href'));
+  await startGame(second);
+  await sentMore(second);
+  await until(operator, () => document.querySelector('#guests tbody tr').cells[1].textContent === 'cut off');
+  await context.close();
+  await server.stop();
+});
+
 test('by HTTPS to other machines: the page has what a headset needs', async () => {
   const server = await serving('paper-room', '-o', 'https', '--bind', '0.0.0.0');
   assert.match(server.links[0], /^https:/);

@@ -22,8 +22,8 @@ function viewpoint({ room, X_WT }) {
   return poseOf(camera.matrixWorld);
 }
 
-async function asked(path, options) {
-  const answer = await fetch(`${path}?token=${token}`, options);
+async function asked(path, options, query = '') {
+  const answer = await fetch(`${path}?token=${token}${query}`, options);
   if (!answer.ok) throw new Error((await answer.text()).trim());
   return answer.json();
 }
@@ -75,12 +75,15 @@ class Watch {
     }
   }
 
-  /** Says the new link, or why there is none: nobody shall get the one before. */
-  async makeLink() {
+  /**
+   * Says the new link, or why there is none: nobody shall get the one before.
+   * @param again  the token of a guest whose game was cut off: the link is for the same participant
+   */
+  async makeLink(again = '') {
     const said = find('link');
     said.replaceChildren();
     try {
-      const { path, participant } = await asked('/links', { method: 'POST' });
+      const { path, participant } = await asked('/links', { method: 'POST' }, again && `&again=${again}`);
       const url = `${location.origin}${path}`;
       said.replaceChildren(`The new link${participant ? `, for ${participant}` : ''}: `, make('a', { href: url }, url));
     } catch (error) {
@@ -110,10 +113,9 @@ class Watch {
         game ? `${file}, ${(bytes / 1e6).toFixed(1)} MB` : ''];
       const row = this.rowOf(guest);
       texts.forEach((text, i) => { if (row.cells[i].textContent !== text) row.cells[i].textContent = text; });
-      const invited = guest.state === 'invited';
-      if (invited === row.invited) continue;
-      row.invited = invited;
-      row.cells[texts.length].replaceChildren(invited ? this.linkOf(guest) : this.buttonOf(guest));
+      if (guest.state === row.state) continue;
+      row.state = guest.state;
+      row.cells[texts.length].replaceChildren(...this.linkOrButtons(guest));
     }
   }
 
@@ -122,7 +124,7 @@ class Watch {
     if (!this.rows.has(its)) {
       const cells = kHead.map((_, i) => (i === 0 ? make('th', { scope: 'row' }) : make('td')));
       find('guests').querySelector('tbody').append(make('tr', {}, cells));
-      this.rows.set(its, { cells, invited: null });
+      this.rows.set(its, { cells, state: null });
     }
     return this.rows.get(its);
   }
@@ -130,6 +132,17 @@ class Watch {
   linkOf({ token: its }) {
     const url = `${location.origin}/play/${its}`;
     return make('a', { href: url, id: `link-${its}` }, url);
+  }
+
+  linkOrButtons(guest) {
+    if (guest.state === 'invited') return [this.linkOf(guest)];
+    const again = guest.state === 'playing' && guest.participant;
+    return again ? [this.buttonOf(guest), ' ', this.againOf(guest)] : [this.buttonOf(guest)];
+  }
+
+  /** For a participant whose game was cut off. */
+  againOf({ token: its }) {
+    return make('button', { type: 'button', id: `again-${its}`, onclick: () => this.makeLink(its) }, 'Another link');
   }
 
   buttonOf({ token: its }) {
