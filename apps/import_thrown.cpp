@@ -1,5 +1,6 @@
 #include "apps/import_thrown.h"
 
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -37,9 +38,13 @@ void take_events(const ImportOptions& options, devices::MotionRecording& recordi
     }
     return false;
   };
+  // A recording whose times are of day, too, may go on over midnight; others begin at 0 or have a date.
+  constexpr Time kTwoDays{172'800'000'000};
+  std::optional<Time> near;
+  if (recording.start < kTwoDays) near = recording.start + recording.times.back() / 2;
   // In the unit of the recording, or in seconds.
   for (const double unit_s : {recording.reading.time_unit_s, 1.0}) {
-    markers = devices::parse_markers(text, options.events, unit_s);
+    markers = devices::parse_markers(text, options.events, unit_s, near);
     for (Stamped<bool>& marker : markers) marker.time -= recording.start;
     if (fits()) break;
   }

@@ -102,7 +102,8 @@ std::optional<bool> pressed_in(const EventLine& line) {
   return std::nullopt;
 }
 
-MarkerLines read_lines(std::string_view text, std::string_view where, double unit_s) {
+MarkerLines read_lines(std::string_view text, std::string_view where, double unit_s,
+                       std::optional<Time> near) {
   const std::vector<EventLine> lines = event_lines(text);
   const EventTimes times(lines, unit_s);
   MarkerLines read;
@@ -123,6 +124,7 @@ MarkerLines read_lines(std::string_view text, std::string_view where, double uni
       throw std::invalid_argument(fmt::format("{}:{}: expected a time beside '{}'", where,
                                               line.number, line.text.substr(0, 60)));
     }
+    if (near && is_time_of_day(line.cells[at])) *time_s = on_nearest_day(*time_s, seconds(*near));
     read.markers.push_back({{microseconds(*time_s), *pressed}, line.number, line.cells[at]});
   }
   return read;
@@ -187,8 +189,8 @@ std::optional<bool> pressed_by(const std::vector<std::string>& words) {
 }
 
 std::vector<Stamped<bool>> parse_markers(std::string_view text, std::string_view where,
-                                         double unit_s) {
-  const MarkerLines read = read_lines(text, where, unit_s);
+                                         double unit_s, std::optional<Time> near) {
+  const MarkerLines read = read_lines(text, where, unit_s, near);
   std::vector<Stamped<bool>> markers;
   for (const Marker& marker : read.markers) markers.push_back(marker.pressed);
   std::ranges::stable_sort(markers, {}, &Stamped<bool>::time);

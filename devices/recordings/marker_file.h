@@ -20,9 +20,10 @@ std::optional<bool> pressed_by(const std::vector<std::string>& words);
 /// up. Other lines are ignored.
 ///
 /// @param unit_s  of times that are numbers [s]; dates of ISO 8601 need none
+/// @param near    times of day without a date are of the day on which they are nearest to this; none: of one day
 /// @return  times as in the file, in order
 /// @throws std::invalid_argument  naming file and line: no grab with a release after it
 std::vector<Stamped<bool>> parse_markers(std::string_view text, std::string_view where,
-                                         double unit_s);
+                                         double unit_s, std::optional<Time> near = {});
 
 }  // namespace headpin::devices

@@ -196,8 +196,8 @@ class TimeReader {
     for (const AnyTable::Row& row : table_.rows) {
       std::optional<double> time = dates ? cell_date(row) : cell_number(row);
       // A time of day without its date is of the day on which it is nearest to the one before.
-      if (dates && time && !numbers.empty() && !begins_with_date(row.cells[index_]))
-        *time += kDay_s * std::round((numbers.back() - *time) / kDay_s);
+      if (dates && time && !numbers.empty() && is_time_of_day(row.cells[index_]))
+        *time = on_nearest_day(*time, numbers.back());
       times.of_row.push_back(time);
       if (time) numbers.push_back(*time);
     }
@@ -353,6 +353,14 @@ std::optional<double> time_of(std::string_view cell, double unit_s, std::size_t 
   plain.decimal_comma = true;
   if (const auto number = plain.number(cell)) return unit_s * *number;
   return date_seconds(cell, colon_decimals);
+}
+
+bool is_time_of_day(std::string_view time) {
+  return time.find(':') != std::string_view::npos && !begins_with_date(time);
+}
+
+double on_nearest_day(double time_s, double other_s) {
+  return time_s + kDay_s * std::round((other_s - time_s) / kDay_s);
 }
 
 std::optional<std::size_t> find_time(const AnyTable& table) {

@@ -28,6 +28,12 @@ std::size_t colon_decimals(const std::vector<std::string_view>& times);
 std::optional<double> time_of(std::string_view cell, double unit_s);
 std::optional<double> time_of(std::string_view cell, double unit_s, std::size_t colon_decimals);
 
+/// Whether a text that says a time is a time of day without its date.
+bool is_time_of_day(std::string_view time);
+
+/// A time of day in seconds, on the day on which it is nearest to another time.
+double on_nearest_day(double time_s, double other_s);
+
 /// The column of the time, by its name; of several, the first one that advances as a time does. The time
 /// since the row before does not.
 std::optional<std::size_t> find_time(const AnyTable& table);

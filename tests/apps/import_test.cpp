@@ -471,5 +471,27 @@ TEST_F(TrialCommands, ColumnsThatAreToldInVainAreRefused) {
           "--columns: right.qw = '#2' and right.rx = '#3' are of two rotations");
 }
 
+// The release after midnight was taken to be before the grab.
+TEST_F(TrialCommands, MarkersGoOnOverMidnightAsTheRecordingDoes) {
+  const auto clock = [](double s) {
+    const auto ms = std::llround(86'397'500 + 1000.0 * s) % 86'400'000;
+    return fmt::format("{:02}:{:02}:{:02}.{:03}", ms / 3'600'000, ms / 60'000 % 60, ms / 1000 % 60,
+                       ms % 1000);
+  };
+  std::istringstream lines(slurp(HEADPIN_SOURCE_DIR "/assets/throws/example.csv"));
+  std::string table;
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t comma = line.find(',');
+    table += table.empty() ? "time" : clock(1e-3 * std::stod(line.substr(0, comma)));
+    table += line.substr(comma) + "\n";
+  }
+  spit(folder_ / "night.csv", table);
+  spit(folder_ / "marks.txt", clock(1.4) + " grab\n" + clock(3.95) + " release\n");
+  const nlohmann::json found =
+      json("import night.csv -o n.lcmlog --units cm --events marks.txt --json");
+  EXPECT_NEAR(found["grab_s"].get<double>(), 1.4, 0.002);
+  EXPECT_NEAR(found["release_s"].get<double>(), 3.95, 0.002);
+}
+
 }  // namespace
 }  // namespace headpin

@@ -1,7 +1,9 @@
 #include "devices/recordings/column_names.h"
 
+#include <cstdint>
 #include <initializer_list>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -365,6 +367,24 @@ TEST(ColumnNames, BeginAWordBehindOtherSignsBeyondAscii) {
   EXPECT_THAT(words_of("Men\u00fcX"), ElementsAre("men\u00fc", "x"));
   EXPECT_THAT(words_of("T\u00fcr2"), ElementsAre("t\u00fcr", "2"));
   EXPECT_EQ(component_of("\u982d\u90e8x").quantity, Quantity::position);
+}
+
+TEST(Markers, OfTheDayAreOfTheDayThatIsNearestToTheRecording) {
+  const std::string text =
+      "23:59:57.5 grab\n23:59:58.5 release\n23:59:59.5 grab\n00:00:02 release\n";
+  const auto tenths_near = [&](double near_s) {
+    std::vector<std::int64_t> found;
+    for (const Stamped<bool>& marker : parse_markers(text, "m.csv", 1.0, microseconds(near_s)))
+      found.push_back(marker.time.count() / 100'000);
+    return found;
+  };
+  EXPECT_THAT(tenths_near(86'399.0), ElementsAre(863'975, 863'985, 863'995, 864'020));
+  EXPECT_THAT(tenths_near(2.0), ElementsAre(-25, -15, -5, 20));
+  // Numbers and dates are as they are.
+  const auto as_told = parse_markers("3.5 grab\n1970-01-01T00:00:04 release\n", "m.csv", 1.0,
+                                     microseconds(86'399.0));
+  EXPECT_EQ(as_told.at(0).time, Time{3'500'000});
+  EXPECT_EQ(as_told.at(1).time, Time{4'000'000});
 }
 
 }  // namespace
