@@ -25,6 +25,7 @@ struct Failure {
   std::int64_t rows = 0;
   std::int64_t first = -1;  ///< number of the first of them
 };
+
 /// For each axis of a grid which of its values is looked at; none: all of them. Empty: all of all.
 using Chosen = std::vector<std::optional<std::size_t>>;
 
