@@ -13,23 +13,30 @@ double radians(double deg) {
   return deg * std::numbers::pi / 180.0;
 }
 
-/// Tangents of the edges of an eye's picture.
-struct Edges {
-  double outer, inner, up, down;
-};
-
-Edges edges(const Optics& o) {
-  const auto tangent = [](double edge_deg, double fov_deg) {
-    return std::tan(radians(edge_deg > 0.0 ? edge_deg : 0.5 * fov_deg));
-  };
-  return {tangent(o.outer_deg, o.horizontal_fov_deg), tangent(o.inner_deg, o.horizontal_fov_deg),
-          tangent(o.up_deg, o.vertical_fov_deg), tangent(o.down_deg, o.vertical_fov_deg)};
+/// Tangents of the angles to the edges of an eye's picture.
+Edges tangents(const Optics& optics) {
+  const Edges deg = optics.edges_deg();
+  const auto tangent = [](double edge_deg) { return std::tan(radians(edge_deg)); };
+  return {tangent(deg.outer), tangent(deg.inner), tangent(deg.up), tangent(deg.down)};
 }
 
 }  // namespace
 
+Edges Optics::edges_deg() const {
+  const auto edge = [](double edge_deg, double fov_deg) {
+    return edge_deg > 0.0 ? edge_deg : 0.5 * fov_deg;
+  };
+  return {edge(outer_deg, horizontal_fov_deg), edge(inner_deg, horizontal_fov_deg),
+          edge(up_deg, vertical_fov_deg), edge(down_deg, vertical_fov_deg)};
+}
+
+double Optics::pixel_arcmin() const {
+  const Edges deg = edges_deg();
+  return 60.0 * std::max((deg.outer + deg.inner) / width, (deg.up + deg.down) / height);
+}
+
 double Optics::pixel_aspect() const {
-  Edges e = edges(*this);
+  Edges e = tangents(*this);
   if (has_lens(*this)) {  // its pixels are evenly spaced in the lens's own units
     const Lens lens(*this, std::max(e.outer, e.inner));
     e = {lens.edge(e.outer), lens.edge(e.inner), lens.edge(e.up), lens.edge(e.down)};
@@ -39,7 +46,7 @@ double Optics::pixel_aspect() const {
 }
 
 std::array<View, 2> eyes(const Pose& X_WD, const Optics& optics) {
-  const Edges e = edges(optics);
+  const Edges e = tangents(optics);
   const auto view = [&](double side) {  // -1 left, +1 right
     const Pose X_DE{rotation(Vec3(0.0, -side * radians(optics.outward_deg), 0.0)),
                     Vec3(0.5 * side * optics.eye_distance, 0.0, 0.0)};

@@ -26,12 +26,6 @@ double angle_between(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-/// The mean size of a pixel [arcmin], the larger of width and height.
-double pixel_of(const render::Optics& optics) {
-  return 60.0 * std::max(optics.horizontal_fov_deg / optics.width,
-                         optics.vertical_fov_deg / optics.height);
-}
-
 Vec3 middle(const Place& place) {
   return 0.5 * (place[0] + place[1]);
 }
@@ -55,8 +49,20 @@ struct DisplayNumbers {
   }
 };
 
+/// Gives edges by the same values as another display whose edges are equal.
+void name_edges_alike(render::Optics& optics, const render::Optics& other) {
+  if (optics.edges_deg() != other.edges_deg()) return;
+  optics.horizontal_fov_deg = other.horizontal_fov_deg;
+  optics.vertical_fov_deg = other.vertical_fov_deg;
+  optics.outer_deg = other.outer_deg;
+  optics.inner_deg = other.inner_deg;
+  optics.up_deg = other.up_deg;
+  optics.down_deg = other.down_deg;
+}
+
 /// Refuses two displays: what both show is measured in one.
 void require_same_display(scene::Hmd a, scene::Hmd b, const Apart::Names& names) {
+  name_edges_alike(b.optics, a.optics);
   DisplayNumbers of_a, of_b;
   scene::visit(of_a, a);
   scene::visit(of_b, b);
@@ -186,7 +192,7 @@ Apart::Apart(const scene::Session& a, const scene::Session& b, std::string_view 
   require_same_display(a.scenario().hmd, b.scenario().hmd, names_);
   drawn_ = drawn_otherwise(*a.stage, *b.stage);
   const std::vector<std::string> bodies = names_of_places(*a.stage);
-  pixel_ = pixel_of(a.scenario().hmd.optics);
+  pixel_ = a.scenario().hmd.optics.pixel_arcmin();
   limit_ = std::max(pixel_, kDetail.value);
   balls_ = a.stage->balls.size();
   for (const std::string& name : bodies) {

@@ -2,6 +2,14 @@
 
 namespace headpin::render {
 
+/// A number for each edge of an eye's picture.
+struct Edges {
+  double outer = 0.0, inner = 0.0;  ///< at the temple and at the nose
+  double up = 0.0, down = 0.0;
+
+  bool operator==(const Edges&) const = default;
+};
+
 /// Display and lenses of a head-mounted display, the same for both eyes but mirrored.
 struct Optics {
   int width = 360;                   ///< pixels per eye
@@ -21,6 +29,12 @@ struct Optics {
   int relay_height = 0;  ///< likewise
   double lens_k1 = 0.0;  ///< lens distortion (render/display.h)
   double lens_k2 = 0.0;
+
+  /// Angles from an eye's axis to the edges of its picture, whichever values give them.
+  Edges edges_deg() const;
+
+  /// Mean size of a pixel [arcmin], the larger of width and height.
+  double pixel_arcmin() const;
 
   /// Width of a pixel over its height on the display, as the lens shows it in its middle: 1.405 for
   /// the default display.

@@ -118,5 +118,17 @@ TEST(Eyes, OutwardTurnSendsTheLeftEyeToTheLeft) {
   EXPECT_DOUBLE_EQ((right.X_WE.p - left.X_WE.p).x(), optics.eye_distance);
 }
 
+// An edge without an angle of its own is at half of the field of view.
+TEST(Eyes, APixelIsAsLargeAsTheEdgesSay) {
+  Optics optics;  // 360 x 240 pixels, 75 x 40 degrees
+  EXPECT_DOUBLE_EQ(optics.pixel_arcmin(), 12.5);
+  optics.outer_deg = optics.inner_deg = 10.0;
+  optics.up_deg = optics.down_deg = 8.0;
+  EXPECT_DOUBLE_EQ(optics.pixel_arcmin(), 4.0);
+  optics.inner_deg = 0.0;
+  EXPECT_EQ(optics.edges_deg(), (Edges{10.0, 37.5, 8.0, 8.0}));
+  EXPECT_DOUBLE_EQ(optics.pixel_arcmin(), 60.0 * 47.5 / 360.0);
+}
+
 }  // namespace
 }  // namespace headpin::render

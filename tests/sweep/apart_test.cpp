@@ -409,5 +409,24 @@ TEST(Apart, NumbersHaveNoExponents) {
   EXPECT_EQ(times_in_words(0.0052), "less than 0.01");
 }
 
+// Its pixel was that of the field of view, which the edges of the picture override.
+TEST(Apart, APictureGivenByItsEdgesHasTheirPixels) {
+  scene::Scenario by_edges, by_fields;
+  render::Optics& edges = by_edges.hmd.optics;
+  edges.outer_deg = edges.inner_deg = 10.0;
+  edges.up_deg = edges.down_deg = 8.0;
+  by_fields.hmd.optics.horizontal_fov_deg = 20.0;
+  by_fields.hmd.optics.vertical_fov_deg = 16.0;
+  const auto samples = dropped(by_edges, 0.5).samples;
+  const Played a(by_edges, samples), b(by_fields, samples);
+  EXPECT_DOUBLE_EQ(Apart(b.session, b.session).pixel_arcmin(), 4.0);
+  EXPECT_DOUBLE_EQ(Apart(a.session, a.session).pixel_arcmin(), 4.0);
+  EXPECT_DOUBLE_EQ(Apart(a.session, b.session).limit_arcmin(), 4.0) << "it is the same display";
+  edges.up_deg = 9.0;
+  const Played taller(by_edges, samples);
+  EXPECT_THAT(complaint([&] { Apart(a.session, taller.session); }),
+              HasSubstr("another trial: has hmd.up_deg = 9, one trial has 8; expected the same"));
+}
+
 }  // namespace
 }  // namespace headpin::sweep
