@@ -128,7 +128,8 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"error", "reason of a failure"},
     {"estimated", "samples whose position the device did not track, but estimate"},
     {"events", "events of a trial"},
-    {"exit_board", "board at which a ball left the lane behind the skittles"},
+    {"exit_board",
+     "board at which a ball left the lane behind the skittles; null if it was beside the lane by then"},
     {"exit_code", "exit code of a command that failed"},
     {"extrapolated_s",
      "of a release: time from the nearest sample of the hand, over which its motion was "
@@ -185,7 +186,9 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"gravity_j", "ledger: energy of free motion"},
     {"grid_releases",
      "number of simulated releases of other speeds, directions, heights and spins"},
-    {"gutter_m", "distance at which a ball left the lane sideways"},
+    {"gutter_m",
+     "distance at which a ball left the lane sideways before its entry; null if it did so only after it "
+     "had met its first skittle or passed the head pin's spot"},
     {"hand", "hand that threw: left or right"},
     {"hand_away_mps2",
      "largest acceleration of the hand away from the body that flew at the player"},

@@ -103,7 +103,7 @@ struct BallPath {
   /// Before its first skittle, or, if it touches none on its way ahead, where it passes the head pin.
   std::optional<Delivered> entry;
   std::optional<double> exit_board;  ///< where it leaves the lane behind the skittles
-  std::optional<double> gutter;      ///< distance at which it leaves the lane sideways
+  std::optional<double> gutter;  ///< distance at which it leaves the lane sideways before its entry
   /// Track flare: largest distance on the ball between its first ring of oil and a later one.
   std::optional<double> flare_mm;
 

@@ -75,9 +75,12 @@ std::vector<TableField<ThrowRow>> lane_fields() {
        of_entry<&Delivered::board>},
       {"entry_revs_per_min", "number", "1/min", "revolutions per minute of its spin there",
        of_entry<&Delivered::revs_per_min>},
-      {"exit_board", "number", "", "board at which it left the lane behind the skittles",
+      {"exit_board", "number", "",
+       "board at which it left the lane behind the skittles; empty if it was beside the lane by then",
        of_path<[](const BallPath& p) { return p.exit_board; }>},
-      {"gutter_m", "number", "m", "distance at which it left the lane sideways",
+      {"gutter_m", "number", "m",
+       "distance at which it left the lane sideways before its entry; empty if it did so only after "
+       "it had met its first skittle or passed the head pin's spot",
        of_path<[](const BallPath& p) { return p.gutter; }>},
       {"flare_mm", "number", "mm",
        "track flare: largest distance on the ball between its first ring of oil and a later one; "

@@ -387,5 +387,20 @@ TEST(BallPath, TellsSpinAlongAndAcrossTheLaneAndThatOfABallThatStands) {
   EXPECT_NEAR(stands.revs_per_min, 3.0 * 30.0 / std::numbers::pi, 1e-9);
 }
 
+// What leaves the deck sideways after its entry is in neither column, as docs/tables.md says.
+TEST(BallPath, HasNoGutterAndNoExitWhereItLeavesTheLaneBesideTheSkittles) {
+  for (const bool strikes : {true, false}) {
+    ToldBall ball(240, 10.0, told_state(1.0, 0.0, {0.0, 8.0, 0.0}));
+    engine::State at = told_state(ball.room.head_pin + 0.1, 0.0, {2.0, 8.0, 0.0});
+    EXPECT_TRUE(ball.then(at, true, strikes).entry);
+    at.X_WB.p = Vec3(0.6, ball.room.head_pin + 0.4, at.X_WB.p.z());
+    EXPECT_FALSE(ball.then(at, true).gutter);
+    at.X_WB.p.y() = ball.room.deck_end + 0.1;
+    const BallPath path = ball.then(at, true);
+    EXPECT_FALSE(path.gutter || path.exit_board);
+    EXPECT_TRUE(ball.watch.over);
+  }
+}
+
 }  // namespace
 }  // namespace headpin::scene
