@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sweep/result.h"
 
@@ -72,6 +73,25 @@ void Averages::add(std::int64_t number, const std::vector<std::string>& cells) {
     unsolved |= (i == islands || i == impacts) && value > 0.0;
   }
   point.unsolved += unsolved ? 1 : 0;
+}
+
+std::int64_t Averages::planned() const {
+  return point_count(grid_) * std::ssize(rows_.design().trials) * rows_.design().draws;
+}
+
+std::int64_t Averages::done() const {
+  std::int64_t done = 0;
+  for (const Point& point : points_) done += point.rows;
+  return done;
+}
+
+std::string Averages::chosen_in_words() const {
+  std::vector<std::string> words;
+  for (std::size_t i = 0; i < grid_.size(); ++i) {
+    if (!chosen_[i]) continue;
+    words.push_back(fmt::format("{} = {}", grid_[i].key, grid_[i].values.front()));
+  }
+  return fmt::format("{}", fmt::join(words, ", "));
 }
 
 void Averages::count_failure(std::int64_t number, const std::string& reason) {

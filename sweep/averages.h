@@ -44,6 +44,12 @@ class Averages {
   /// @throws std::runtime_error  when they are more or fewer than a table of results has
   void add(std::int64_t number, const std::vector<std::string>& cells);
 
+  /// How many rows the points are over, and how many of them were added.
+  std::int64_t planned() const;
+  std::int64_t done() const;
+  /// "friction = 0, shape = true"; empty when no value was chosen.
+  std::string chosen_in_words() const;
+
   /// That of the design, with only the chosen values.
   const std::vector<Axis>& grid() const { return grid_; }
   /// @param place  which value of each axis of grid()

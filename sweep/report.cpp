@@ -70,7 +70,7 @@ class Page {
     std::string html =
         fmt::format("<h2>{}</h2>\n<p>{}{}</p>\n", result.name, escaped(result.meaning),
                     *result.unit ? fmt::format(" [{}]", result.unit) : "");
-    if (low > high) return html + "<p class=note>no row has this number</p>\n";
+    if (low > high) return html + "<p class=note>none of these rows has this number</p>\n";
     html += scale(low, high) + "<div class=panels>\n";
     for (const Place& panel : panels_) html += map(panel, column, low, high);
     html += "</div>\n<details><summary>slices</summary><div class=panels>\n";
@@ -318,14 +318,16 @@ std::string command_of(const Rows& rows, const Row& row, const std::string& fold
 }
 
 std::string html_report(const Rows& rows, const Averages& averages, std::size_t x, std::size_t y,
-                        const std::string& folder, std::int64_t done) {
+                        const std::string& folder) {
   const Page page(averages, x, y);
   const Design& design = rows.design();
+  const std::string chosen = averages.chosen_in_words();
   std::string html = fmt::format(
       "<!doctype html>\n<html lang=en><meta charset=utf-8><title>Sweep</title>\n<style>{}</style>\n"
-      "<h1>Sweep of {} trial{}</h1>\n<p>{} of {} rows.{}{} A red dot: a row failed or was not "
+      "<h1>Sweep of {} trial{}</h1>\n<p>{} of {} rows{}.{}{} A red dot: a row failed or was not "
       "solved. Click a point to see its command.</p>\n",
-      kStyle, design.trials.size(), design.trials.size() == 1 ? "" : "s", done, rows.size(),
+      kStyle, design.trials.size(), design.trials.size() == 1 ? "" : "s", averages.done(),
+      averages.planned(), chosen.empty() ? "" : fmt::format(" with {}", escaped(chosen)),
       design.trials.size() > 1 ? " Points are means over the trials." : "",
       design.draws > 1 ? fmt::format(" Points are means over {} draws.", design.draws) : "");
   html += failures_of(rows, averages, folder);

@@ -15,9 +15,8 @@ inline constexpr std::int64_t kMostPoints = 100'000;
 ///
 /// @param x, y    axes of the grid
 /// @param folder  of the sweep, for the command of a point
-/// @param done    rows that are there
 std::string html_report(const Rows& rows, const Averages& averages, std::size_t x, std::size_t y,
-                        const std::string& folder, std::int64_t done);
+                        const std::string& folder);
 
 /// `headpin replay` of a row.
 std::string command_of(const Rows& rows, const Row& row, const std::string& folder);

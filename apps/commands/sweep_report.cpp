@@ -61,10 +61,11 @@ std::optional<double> number_in(const std::string& text) {
 
 /// Which value of an axis a text is, also with other digits of the same number.
 std::size_t value_of(const sweep::Axis& axis, const std::string& text) {
-  const std::optional<double> number = number_in(text);
-  const auto found = std::ranges::find_if(axis.values, [&](const std::string& value) {
-    return value == text || (number && number_in(value) == number);
-  });
+  auto found = std::ranges::find(axis.values, text);
+  if (const std::optional<double> number = number_in(text); number && found == axis.values.end()) {
+    found = std::ranges::find_if(
+        axis.values, [&](const std::string& value) { return number_in(value) == number; });
+  }
   if (found != axis.values.end()) return static_cast<std::size_t>(found - axis.values.begin());
   constexpr std::size_t kNamed = 8;
   const auto end =
@@ -100,9 +101,8 @@ void require_few_points(const Grid& grid) {
       sweep::kMostPoints, points));
 }
 
-/// Adds all rows that are there. @return  how many
-std::int64_t add_rows(const sweep::Sweep& sweep, sweep::Averages& averages) {
-  std::int64_t done = 0;
+/// Adds all rows that are there.
+void add_rows(const sweep::Sweep& sweep, sweep::Averages& averages) {
   std::vector<std::string> lines;
   Progress progress("pieces", sweep.pieces.size());
   for (std::int64_t i = 0; i < sweep.pieces.size(); ++i) {
@@ -116,9 +116,7 @@ std::int64_t add_rows(const sweep::Sweep& sweep, sweep::Averages& averages) {
     for (std::size_t j = 0; j < table.rows.size(); ++j) {
       averages.add(piece.first + static_cast<std::int64_t>(j), table.rows[j].cells);
     }
-    done += std::ssize(lines);
   }
-  return done;
 }
 
 /// Why rows failed, as JSON.
@@ -156,8 +154,8 @@ void report_sweep(const ReportSweepOptions& options) {
   const std::size_t y = given_y ? *given_y : axis_of(grid, "--y", "", x);
   require_few_points(grid);
   sweep::Averages averages(sweep.rows, chosen);
-  const std::int64_t done = add_rows(sweep, averages);
-  const std::string html = sweep::html_report(sweep.rows, averages, x, y, options.sweep, done);
+  add_rows(sweep, averages);
+  const std::string html = sweep::html_report(sweep.rows, averages, x, y, options.sweep);
   base::OutputFile file(*options.output, {.overwrite = options.force, .standard_output = true});
   file.write(html.data(), html.size());
   check_stop();
@@ -167,13 +165,14 @@ void report_sweep(const ReportSweepOptions& options) {
   for (const sweep::Failure& one : failures) failed += one.rows;
   if (options.json) {
     return print_json({{"output", *options.output},
-                       {"planned", sweep.rows.size()},
-                       {"done", done},
+                       {"planned", averages.planned()},
+                       {"done", averages.done()},
                        {"failed", failed},
                        {"failures", json_of(failures)}});
   }
-  const std::string &of_x = grid[x].key, &of_y = grid[y].key;
-  fmt::print("{}: {} of {} rows, over {}{}\n", *options.output, done, sweep.rows.size(), of_x,
+  const std::string &of_x = grid[x].key, &of_y = grid[y].key, with = averages.chosen_in_words();
+  fmt::print("{}: {} of {} rows{}, over {}{}\n", *options.output, averages.done(),
+             averages.planned(), with.empty() ? "" : fmt::format(" with {}", printable(with)), of_x,
              x == y ? "" : " and " + of_y);
   print_failures(failures);
 }
@@ -186,10 +185,12 @@ void add_sweep_report(CLI::App& group) {
   add_sweep_folder(*command, options->sweep);
   add_output(*command, "-o,--output", options->output, "page to write (.html)", {".html", ".htm"})
       ->required();
-  command->add_option("--x", options->x,
-                      "key of the grid along the map; the first one when not given");
-  command->add_option("--y", options->y,
-                      "key of the grid up the map; the second one when not given");
+  command->add_option(
+      "--x", options->x,
+      "key of the grid along the map; the first one with several values when not given");
+  command->add_option(
+      "--y", options->y,
+      "key of the grid up the map; the second one with several values when not given");
   command
       ->add_option("--at", options->at,
                    "take only the rows with this value of a key of the grid, KEY=VALUE; may be "

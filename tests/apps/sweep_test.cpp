@@ -384,8 +384,9 @@ TEST_F(SweepCommands, AReportOfFailedRowsSaysWhyTheyFailed) {
   EXPECT_EQ(json("sweep run none --json")["failed"], 2);
   const std::string reason =
       "lane.width=2.4: lane.width must be less than the room's, 2.2; found 2.4";
-  EXPECT_EQ(headpin("sweep report none -o none.html").out,
-            "none.html: 2 of 2 rows, over friction\n2 failed, the first is row 1: " + reason + "\n");
+  EXPECT_EQ(
+      headpin("sweep report none -o none.html").out,
+      "none.html: 2 of 2 rows, over friction\n2 failed, the first is row 1: " + reason + "\n");
   EXPECT_THAT(slurp(folder_ / "none.html"), HasSubstr("<td>2</td><td>1</td><td>lane.width=2.4: "));
   const nlohmann::json told = json("sweep report none -o none.html --force --json");
   EXPECT_EQ(told["failed"], 2);
@@ -416,6 +417,26 @@ TEST_F(SweepCommands, AReportOfTooManyPointsIsRefusedAndFewerAreChosen) {
                  "expected a value of the grid");
   expect_refusal("sweep report large -o OUT.html --at friction=0 --at friction=1", 2,
                  "expected one value of friction");
+}
+
+// It said how many rows the whole sweep has, beside how many of those with the value failed.
+TEST_F(SweepCommands, AReportOfAChosenValueCountsItsRowsAlone) {
+  write_design("[grid]\nroom.width = [2.2]\nlane.width = [1, 2.4]\nfriction = [0, 1]\n");
+  plan("some");
+  EXPECT_THAT(headpin("sweep report some -o none.html --at friction=0").out,
+              HasSubstr("0 of 2 rows with friction = 0, over lane.width\n"));
+  EXPECT_EQ(json("sweep run some --json")["simulated"], 4);
+  EXPECT_THAT(headpin("sweep report some -o all.html").out, HasSubstr("4 of 4 rows, over "));
+  EXPECT_THAT(headpin("sweep report some -o narrow.html --at friction=1 --x friction").out,
+              HasSubstr("2 of 2 rows with friction = 1, over friction and lane.width\n"));
+  const std::string wide = "sweep report some --at lane.width=2.40 ";
+  EXPECT_THAT(headpin(wide + "-o wide.html").out,
+              HasSubstr("2 of 2 rows with lane.width = 2.4, over friction\n2 failed, "));
+  EXPECT_THAT(slurp(folder_ / "wide.html"), HasSubstr("<p>2 of 2 rows with lane.width = 2.4."));
+  const nlohmann::json told = json(wide + "-o wide.html --force --json");
+  EXPECT_EQ(told["planned"], 2);
+  EXPECT_EQ(told["done"], 2);
+  EXPECT_EQ(told["failed"], 2);
 }
 
 }  // namespace

@@ -97,7 +97,7 @@ TEST(SweepReport, APointSaysHowManyOfItsRowsHaveTheNumber) {
   for (std::int64_t i = 0; i < 12; ++i) {
     averages.add(i, cells_with(rows, i, 4.0, "0", i > 6 ? "no" : ""));
   }
-  const std::string html = html_report(rows, averages, 0, 1, "sweep", 12);
+  const std::string html = html_report(rows, averages, 0, 1, "sweep");
   EXPECT_THAT(html, HasSubstr("shape = ellipsoid: 4, the mean of 6 rows<"));
   Averages some(rows);
   for (std::int64_t i = 0; i < 6; ++i) {
@@ -105,7 +105,7 @@ TEST(SweepReport, APointSaysHowManyOfItsRowsHaveTheNumber) {
     if (i > 0) cells[cells.size() - result_columns().size()].clear();  // skittles_down
     some.add(i, cells);
   }
-  EXPECT_THAT(html_report(rows, some, 0, 1, "sweep", 6),
+  EXPECT_THAT(html_report(rows, some, 0, 1, "sweep"),
               HasSubstr("shape = ellipsoid: 4, the mean of 1 of 6 rows<"));
 }
 
@@ -117,7 +117,7 @@ TEST(SweepReport, HasAMapForEachShapeWithItsExtremesAndNoForeignMarkup) {
   for (std::int64_t i = 0; i < 40; ++i) {
     averages.add(i, cells_with(rows, i, i < 6 ? 2.0 : 7.0));
   }
-  const std::string html = html_report(rows, averages, 0, 1, "<i>", 40);
+  const std::string html = html_report(rows, averages, 0, 1, "<i>");
   EXPECT_THAT(html, HasSubstr("40 of 72 rows"));
   EXPECT_THAT(html, HasSubstr("shape = ellipsoid"));
   EXPECT_THAT(html, HasSubstr("shape = &lt;/script&gt;&lt;b&gt;"));
@@ -144,13 +144,13 @@ TEST(SweepReport, SaysOfEachReasonHowManyRowsFailedAndTheFirst) {
   EXPECT_EQ(failures[0].first, 4);
   EXPECT_EQ(failures[1].rows, 1);
   EXPECT_EQ(failures[1].first, 0);
-  const std::string html = html_report(rows, averages, 0, 1, "sweep", 12);
+  const std::string html = html_report(rows, averages, 0, 1, "sweep");
   EXPECT_THAT(html, HasSubstr("<td>8</td><td>5</td><td>no ball</td><td>headpin replay "
                               "sweep/trials/a.lcmlog --elasticity 0 --friction 0 "));
   EXPECT_THAT(html, HasSubstr("<td>1</td><td>1</td><td>lane &lt;wide&gt;</td>"));
   Averages none(rows);
   none.add(0, cells_with(rows, 0, 4.0));
-  EXPECT_THAT(html_report(rows, none, 0, 1, "sweep", 1), Not(HasSubstr("rows that failed")));
+  EXPECT_THAT(html_report(rows, none, 0, 1, "sweep"), Not(HasSubstr("rows that failed")));
 }
 
 // Reasons with drawn numbers in them all differ.
@@ -167,8 +167,7 @@ TEST(SweepReport, CountsReasonsBeyondAThousandTogether) {
   ASSERT_EQ(failures.size(), 1001u);
   EXPECT_EQ(failures.back().rows, 10);
   EXPECT_EQ(failures.back().first, 1000);
-  EXPECT_THAT(html_report(rows, averages, 0, 0, "sweep", rows.size()),
-              HasSubstr("There are 981 more reasons."));
+  EXPECT_THAT(html_report(rows, averages, 0, 0, "sweep"), HasSubstr("There are 981 more reasons."));
 }
 
 TEST(SweepAverages, OfAChosenValueLeaveOutTheRowsOfOthers) {
@@ -190,11 +189,34 @@ TEST(SweepAverages, OfAChosenValueLeaveOutTheRowsOfOthers) {
       EXPECT_EQ(mean(point, 0), mean(all.at({elasticity, 1, shape}), 0));
     }
   }
-  const std::string html = html_report(rows, some, 0, 2, "sweep", rows.size());
+  const std::string html = html_report(rows, some, 0, 2, "sweep");
   EXPECT_THAT(html, HasSubstr("friction = 1"));
   EXPECT_THAT(html, Not(HasSubstr("friction = 0")));
   EXPECT_THAT(html, HasSubstr("data-i='5'"));
   EXPECT_THAT(html, Not(HasSubstr("data-i='6'")));
+}
+
+// It said how many rows the whole sweep has.
+TEST(SweepReport, OfAChosenValueCountsItsRowsAlone) {
+  const Rows rows(kDesign, {"A", "B"});
+  Averages all(rows), some(rows, {std::nullopt, 1, 0}), none(rows, {2, 0, 1});
+  for (std::int64_t i = 0; i < 40; ++i) {  // all of elasticity 0, none of 1
+    for (Averages* one : {&all, &some, &none}) {
+      one->add(i, cells_with(rows, i, 4.0, "0", i == 12 ? "no ball" : ""));
+    }
+  }
+  EXPECT_EQ(all.planned(), rows.size());
+  EXPECT_EQ(all.done(), 40);
+  EXPECT_EQ(all.chosen_in_words(), "");
+  EXPECT_EQ(some.planned(), 3 * 6);
+  EXPECT_EQ(some.done(), 6 + 4);
+  EXPECT_EQ(some.failures().size(), 1u);
+  const std::string html = html_report(rows, some, 0, 0, "sweep");
+  EXPECT_THAT(html, HasSubstr("<p>10 of 18 rows with friction = 1, shape = ellipsoid."));
+  EXPECT_THAT(html_report(rows, none, 0, 0, "sweep"),
+              HasSubstr("<p>0 of 6 rows with elasticity = 1, friction = 0, shape = true."));
+  EXPECT_THAT(html_report(rows, none, 0, 0, "sweep"),
+              HasSubstr("none of these rows has this number"));
 }
 
 }  // namespace
