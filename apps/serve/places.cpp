@@ -61,9 +61,13 @@ Place place_of(const Study& study, const study::PlannedParticipant& who) {
   const bool red = study::games_of(study.design, who.allotted)[0].red;
   place.hint = fmt::format("Touch the {} button first, and play. Then touch the {} one.",
                            red ? "red" : "blue", red ? "blue" : "red");
-  // The lock of the participant's folder is kept as long as the place.
+  // The lock of the participant's folder is kept as long as the place, also where another link cannot begin.
   place.open = [&study, id, run = std::make_shared<std::optional<NextRun>>()] {
-    run->emplace(study, id, kCommand, false);
+    if (*run) {
+      (*run)->renew(study, id, kCommand, false);
+    } else {
+      run->emplace(study, id, kCommand, false);
+    }
     return std::make_unique<IncomingLog>((*run)->path());
   };
   place.answer = [&study, id](const nlohmann::json& given) {

@@ -52,5 +52,28 @@ TEST_F(Serve, AnotherLinkBeginsNoGameAfterTheEndOfTheFirst) {
   EXPECT_EQ(ask("POST", again).status, 409);
 }
 
+// The lock was given back before it was known whether the other game can begin.
+TEST_F(Serve, TheSessionStaysLockedWhenAnotherLinkCannotBeginItsGame) {
+  ASSERT_EQ(headpin("experiment plan -o study --people 1").code, 0);
+  start("study --links 1");
+  const std::string again = "/links" + operator_.substr(1) + "&again=" + links_[0].substr(6);
+  const std::string log = slurp(kDemoLog);
+  EXPECT_EQ(post(links_[0], "begin").status, 200);
+  EXPECT_EQ(post(links_[0], "log?at=0", log.substr(0, 20'000)).status, 200);
+  const std::string other = nlohmann::json::parse(ask("POST", again).body)["path"];
+  const fs::path sessions = folder_ / "study/sessions/p001", aside = folder_ / "aside";
+  fs::rename(sessions, aside);
+  spit(sessions, "no folder");
+  EXPECT_EQ(post(other, "begin", "", kOtherKey).status, 500);
+  fs::remove(sessions);
+  fs::rename(aside, sessions);
+  expect_refusal("experiment run study --participant p001 --virtual", 75, "p001");
+  EXPECT_EQ(post(links_[0], "log?at=20000", log.substr(20'000, 5000)).status, 200);
+  EXPECT_EQ(post(other, "begin", "", kOtherKey).status, 200);
+  EXPECT_EQ(post(other, "log?at=0", log, kOtherKey).status, 200);
+  EXPECT_EQ(stop(), 0);
+  EXPECT_EQ(slurp(folder_ / "study/sessions/p001/run-02.lcmlog"), log);
+}
+
 }  // namespace
 }  // namespace headpin
