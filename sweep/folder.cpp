@@ -163,12 +163,19 @@ std::string_view without_line_end(std::string_view text) {
   return text.substr(0, text.find('\n'));
 }
 
-/// Refuses a line of rows.csv that is another one, by the cells from the first other one on.
+/// Whether a byte of UTF-8 goes on with the character of the byte before it.
+bool is_inside_character(char byte) {
+  return (static_cast<unsigned char>(byte) & 0xc0) == 0x80;
+}
+
+/// Refuses a line of rows.csv that is another one, by the cells from the first other one on; of a long cell, from
+/// a little before the first other letter on.
 /// @param rest  of the text, from the line on
-[[noreturn]] void refuse_line(const std::string& path, std::int64_t line,
-                              std::string_view expected, std::string_view rest) {
+[[noreturn]] void refuse_line(const std::string& path, std::int64_t line, std::string_view expected,
+                              std::string_view rest) {
   const std::string place = fmt::format("{}:{}", path, line);
   const std::string_view wanted = without_line_end(expected), found = without_line_end(rest);
+  constexpr std::size_t kBefore = 20;  // fewer than are shown
   if (found.ends_with('\r') && found.substr(0, found.size() - 1) == wanted) {
     throw std::runtime_error(fmt::format(
         "{}: expected a line that ends with a line feed, found one that ends with a carriage return "
@@ -181,11 +188,17 @@ std::string_view without_line_end(std::string_view text) {
   const auto same =
       static_cast<std::size_t>(std::ranges::mismatch(wanted, found).in1 - wanted.begin());
   const std::size_t comma = wanted.substr(0, same).rfind(',');
-  const std::size_t cell = comma == std::string_view::npos ? 0 : comma + 1;
+  std::size_t from = comma == std::string_view::npos ? 0 : comma + 1;
+  const bool is_late = same - from > kBefore;
+  if (is_late) from = same - kBefore;
+  while (from < same && is_inside_character(wanted[from])) ++from;
+  const auto shown = [&](std::string_view text) {
+    return fmt::format("{}{}", is_late ? "..." : "", study::shown(text.substr(from)));
+  };
   throw std::runtime_error(fmt::format(
       "{}: expected '{}', as sweep.toml and the trials say, found '{}'; plan a new sweep to have "
       "other rows",
-      place, study::shown(wanted.substr(cell)), study::shown(found.substr(cell))));
+      place, shown(wanted), shown(found)));
 }
 
 /// Compares rows.csv with the rows, line by line.

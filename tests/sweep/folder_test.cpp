@@ -98,5 +98,21 @@ TEST_F(SweepFolderTest, OfAnotherLineItIsSaidWhereItDiffers) {
   EXPECT_EQ(said_of(rows), "");
 }
 
+// Names of trials that differ behind their first 40 letters looked equal.
+TEST_F(SweepFolderTest, OfALongCellItIsSaidWhereItDiffers) {
+  const std::string name = "participant-17_condition-ellipsoid_m\u00fcdig_run-5_session-02";
+  fs::copy_file(folder_ / "t.lcmlog", folder_ / (name + ".lcmlog"));
+  spit(folder_ / "sweep.toml", "trials = ['" + name + ".lcmlog']\n[grid]\nfriction = [0.25]\n");
+  const SweepFolder at{folder_ / "sweep"};
+  plan(folder_ / "sweep.toml", at, [] {});
+  std::string rows = slurp(at.rows());
+  rows[rows.find("session-02") + 9] = '3';
+  spit(at.rows(), rows);
+  EXPECT_THAT(complaint([&] { open_sweep(at.root); }),
+              testing::HasSubstr(":2: expected '...dig_run-5_session-02,0.25', as"));
+  EXPECT_THAT(complaint([&] { open_sweep(at.root); }),
+              testing::HasSubstr(" found '...dig_run-5_session-03,0.25';"));
+}
+
 }  // namespace
 }  // namespace headpin::sweep
