@@ -38,7 +38,7 @@ class Told {
   Told(const AnyTable& table, std::string_view where, MotionColumns& columns)
       : table_(table), where_(where), columns_(columns) {}
 
-  void take(const ToldColumns& all) {
+  void take(const ToldColumns& all, bool uses_rotations) {
     for (const ToldColumn& told : all) {
       const std::string& key = told.key;
       if (!is_column_key(key)) {
@@ -60,6 +60,7 @@ class Told {
         one_component(part, told, all);
       }
     }
+    if (!uses_rotations) return;
     for (const auto& [part, object] : objects_) require_one_rotation(part, object);
   }
 
@@ -432,10 +433,10 @@ void say_meanings(const AnyTable& table, MotionColumns& columns) {
 }
 
 MotionColumns find_columns(const AnyTable& table, const ToldColumns& told, bool only_hand_is_left,
-                           std::string_view where) {
+                           std::string_view where, bool uses_rotations) {
   MotionColumns columns;
   Told said(table, where, columns);
-  said.take(told);
+  said.take(told, uses_rotations);
   const std::array<bool, 3> is_told = said.done();
   const bool hand_told = is_told[1] || is_told[2];
 

@@ -71,11 +71,13 @@ struct MotionColumns {
 /// The last words say the component, the words before them the object. What the user told is used first.
 ///
 /// @param only_hand_is_left  of a hand whose name does not say the side
+/// @param uses_rotations     false where none is used: then some may be told for two kinds of rotation of one part,
+///                           as in the files of columns that were once written so
 /// @throws WrongColumn            for told columns that are not there, that mean nothing, or that are of two kinds
 ///                                of rotation of one part
 /// @throws std::invalid_argument  for two objects that could be the same part
 MotionColumns find_columns(const AnyTable& table, const ToldColumns& told, bool only_hand_is_left,
-                           std::string_view where);
+                           std::string_view where, bool uses_rotations = true);
 
 /// Says what each column is, again where another kind of rotation was told.
 void say_meanings(const AnyTable& table, MotionColumns& columns);

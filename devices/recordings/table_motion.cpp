@@ -62,10 +62,7 @@ bool angles_look_like_degrees(const AnyTable& table, const MotionColumns& column
 class TableMotion {
  public:
   TableMotion(const AnyTable& table, const MotionOptions& options, std::string_view where)
-      : table_(table),
-        options_(options),
-        where_(where),
-        columns_(find_columns(table, told_columns(), options.only_hand_is_left, where)) {
+      : table_(table), options_(options), where_(where), columns_(columns_with(told_columns())) {
     tracks_.notes = table.notes;
     choose_time();
     if (options.rotations == "none") {
@@ -99,6 +96,11 @@ class TableMotion {
   const MotionColumns& columns() const { return columns_; }
 
  private:
+  MotionColumns columns_with(const ToldColumns& told) const {
+    return find_columns(table_, told, options_.only_hand_is_left, where_,
+                        options_.rotations != "none");
+  }
+
   /// Names of objects are columns of that beginning.
   ToldColumns told_columns() const {
     ToldColumns told = options_.columns;
@@ -124,7 +126,7 @@ class TableMotion {
       if (rows.size() < usual.size() || restart_in(rows)) continue;
       ToldColumns also = told_columns();
       also.push_back({"time", fmt::format("#{}", other + 1)});
-      columns_ = find_columns(table_, also, options_.only_hand_is_left, where_);
+      columns_ = columns_with(also);
       tracks_.notes.push_back(fmt::format("the time '{}' starts again: '{}' is read instead",
                                           table_.columns[first].name, table_.columns[other].name));
       return;

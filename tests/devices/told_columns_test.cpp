@@ -326,5 +326,20 @@ TEST(ToldRotation, OfTwoKindsIsRefused) {
             RotationKind::quaternion);
 }
 
+// Files of columns were once written so, and were refused.
+TEST(ToldRotation, OfTwoKindsIsTakenWhereNoneIsRead) {
+  const std::string text = rows_under(kHeadAndHand + ",hmd_qw,hmd_qx,hmd_qy,hmd_qz,a,b,c");
+  MotionOptions options;
+  options.rotations = "none";
+  options.columns = {{"head.x", "hmd_x"},   {"head.y", "hmd_y"},   {"head.z", "hmd_z"},
+                     {"head.qw", "hmd_qw"}, {"head.qx", "hmd_qx"}, {"head.qy", "hmd_qy"},
+                     {"head.qz", "hmd_qz"}, {"head.rx", "a"},      {"head.ry", "b"},
+                     {"head.rz", "c"}};
+  EXPECT_THAT(parse_motion_table(text, "t.csv", options).without_rotation, Contains("head"));
+  options.rotations.reset();
+  EXPECT_THAT(complaint([&] { parse_motion_table(text, "t.csv", options); }),
+              HasSubstr("head.qw = 'hmd_qw' and head.rx = 'a' are of two rotations"));
+}
+
 }  // namespace
 }  // namespace headpin::devices
