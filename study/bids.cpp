@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "devices/base/median_step.h"
 #include "study/csv.h"
 
 namespace headpin::study {
@@ -120,6 +121,18 @@ double rate_of(std::int64_t rows, double duration_s) {
   return duration_s > 0.0 ? static_cast<double>(rows - 1) / duration_s : 0.0;
 }
 
+/// The rate of a device, by the median step between its samples. Stamps are whole microseconds, and clocks
+/// run a little fast or slow: half a percent from a whole number of hertz is that number.
+///
+/// @param times_us  when the samples were measured [us]
+/// @return          [Hz]; 0 where time never advances
+double nominal_rate(const std::vector<double>& times_us) {
+  const double step_us = devices::median_step(times_us);
+  if (step_us == 0.0) return 0.0;
+  const double rate_hz = 1e6 / step_us, whole_hz = std::round(rate_hz);
+  return std::abs(rate_hz - whole_hz) <= 0.005 * rate_hz ? whole_hz : rate_hz;
+}
+
 /// @param rate_hz  of the device; 0 where there is no rate, as for one row: a rate of 0 would be wrong
 Json motion_json(const std::vector<Channel>& channels, const std::string& system, double rate_hz,
                  std::int64_t rows, double duration_s) {
@@ -223,20 +236,17 @@ void add_tracker(const BidsSession& session, std::int32_t station, std::vector<B
   const std::string system = system_of(station, session.rig);
   const std::vector<Channel> channels = tracker_channels(system);
   std::string rows;
-  std::int64_t count = 0;
-  Time first{}, last{};
+  std::vector<double> times_us;
   for (std::size_t i = 0; i < session.samples.size(); ++i) {
     const auto* sample = std::get_if<devices::TrackerSample>(&session.samples[i]);
     if (!sample || sample->station != station) continue;
     rows += tracker_row(*sample, i);
-    if (count++ == 0) first = sample->device_time;
-    last = sample->device_time;
+    times_us.push_back(static_cast<double>(sample->device_time.count()));
   }
-  const double duration_s = seconds(last - first), measured_hz = rate_of(count, duration_s);
   const Quat& q_WT = session.rig.X_WT.q;
   const Json sidecar =
-      motion_json(channels, "receiver " + system,
-                  measured_hz < 1.0 ? measured_hz : std::round(measured_hz), count, duration_s);
+      motion_json(channels, "receiver " + system, nominal_rate(times_us), std::ssize(times_us),
+                  1e-6 * (times_us.back() - times_us.front()));
   files.emplace_back(name_of(session, system, "motion.tsv"), rows);
   files.emplace_back(name_of(session, system, "motion.json"), sidecar.dump(2) + "\n");
   files.emplace_back(name_of(session, system, "channels.tsv"), channels_tsv(channels));

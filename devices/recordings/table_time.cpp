@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "devices/base/median_step.h"
 #include "devices/recordings/column_names.h"
 
 namespace headpin::devices {
@@ -19,16 +20,6 @@ std::optional<double> seconds_of(std::string_view unit) {
   if (is_one_of(unit, {"us", "usec", "micros", "microseconds"})) return 1e-6;
   if (is_one_of(unit, {"ns", "nsec", "nanos", "nanoseconds"})) return 1e-9;
   return std::nullopt;
-}
-
-double median_step(std::vector<double> times) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < times.size(); ++i) {
-    if (times[i] > times[i - 1]) steps.push_back(times[i] - times[i - 1]);
-  }
-  if (steps.empty()) return 0.0;
-  std::ranges::nth_element(steps, steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2));
-  return steps[steps.size() / 2];
 }
 
 /// Takes a whole number of up to `most` digits from the front.

@@ -407,5 +407,41 @@ TEST(MotionBidsTables, OfTheSimulationHaveNoPosesOfBodiesThatAreNotInPlay) {
   }
 }
 
+/// The sidecar of a hand that was measured at these ticks.
+nlohmann::json sidecar_of_ticks(const std::vector<int>& ticks, std::int64_t rate_hz) {
+  std::vector<devices::Sample> samples;
+  for (const int tick : ticks) {
+    devices::TrackerSample tracker;
+    tracker.station = devices::kHandStation;
+    tracker.device_time = tick_time(tick, rate_hz);
+    samples.emplace_back(tracker);
+  }
+  scene::TrialHeader header;
+  for (const auto& [name, text] : session_files({"p001", "01", &header, samples, {}})) {
+    if (name.ends_with("_tracksys-hand_run-01_motion.json")) return nlohmann::json::parse(text);
+  }
+  return {};
+}
+
+// A device of 60 Hz is one of 60 Hz too where a fifth of its samples are lost and the hand was away for 10 s. Its
+// steps are 16666 or 16667 us.
+TEST(MotionBidsTables, HaveTheRateOfTheDeviceWhateverIsLost) {
+  std::vector<int> ticks;
+  for (int i = 0; i < 2000; ++i) {
+    if (i % 5 != 3 && (i < 500 || i >= 1100)) ticks.push_back(i);
+  }
+  for (const std::int64_t rate_hz : {60, 72, 90, 120, 240, 1000}) {
+    const nlohmann::json hand = sidecar_of_ticks(ticks, rate_hz);
+    EXPECT_EQ(hand["SamplingFrequency"], static_cast<double>(rate_hz));
+    const double lasts = 1999.0 / static_cast<double>(rate_hz);
+    EXPECT_NEAR(hand["SamplingFrequencyEffective"].get<double>(),
+                static_cast<double>(ticks.size() - 1) / lasts, 1e-3);
+  }
+  // Far from a whole number of hertz it stays as it is: 40 / 3 Hz, every third tick of 40 Hz.
+  std::vector<int> thirds;
+  for (int i = 0; i < 100; ++i) thirds.push_back(3 * i);
+  EXPECT_NEAR(sidecar_of_ticks(thirds, 40)["SamplingFrequency"].get<double>(), 40.0 / 3.0, 1e-9);
+}
+
 }  // namespace
 }  // namespace headpin::study
