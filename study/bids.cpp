@@ -154,6 +154,7 @@ Json motion_json(const std::vector<Channel>& channels, const std::string& system
   all["MotionChannelCount"] = channels.size();
   all["POSChannelCount"] = count("POS");
   all["ORNTChannelCount"] = count("ORNT");
+  all["LATENCYChannelCount"] = count("LATENCY");
   all["MISCChannelCount"] = count("MISC");
   all["TrackedPointsCount"] = points.size();
   return all;
@@ -403,7 +404,9 @@ std::string bids_readme(const Design& design, const std::vector<Person>& people,
       "parameter of the collisions changes.\n{}"
       "tracksys-head and tracksys-hand (tracksys-lefthand of a left hand) are what the tracker "
       "measured, tracksys-simulated is what "
-      "the simulation made of it. There, {}. The events have the buttons among them. {}{}\n",
+      "the simulation made of it. There, {}. The events have the buttons among them. Latencies of all "
+      "tracking systems and onsets of the events are seconds on the one clock of the trial, so they may be "
+      "compared: none counts from the first sample of its own table. {}{}\n",
       name_of(design),
       virtuals ? "Some or all of the participants are virtual: see `virtual` in participants.tsv.\n"
                : "",

@@ -101,6 +101,12 @@ TEST_F(StudyExport, TablesFitTheirChannelsAndPeopleTheirFolders) {
     const auto channels = rows(slurp(stem + "_channels.tsv"), '\t');
     const auto sidecar = nlohmann::json::parse(slurp(stem + "_motion.json"));
     EXPECT_EQ(sidecar["MotionChannelCount"], channels.size() - 1);
+    EXPECT_EQ(sidecar["LATENCYChannelCount"], 1);
+    int kinds = 0;
+    for (const char* kind : {"POS", "ORNT", "LATENCY", "MISC"}) {
+      kinds += sidecar[std::string(kind) + "ChannelCount"].get<int>();
+    }
+    EXPECT_EQ(sidecar["MotionChannelCount"], kinds);
     const auto motion = rows(slurp(name), '\t');
     ASSERT_GT(motion.size(), 100u);
     for (const auto& row : motion) ASSERT_EQ(row.size(), channels.size() - 1) << name;
@@ -396,6 +402,7 @@ TEST_F(StudyExport, HasPosesOfBodiesInPlayOnly) {
   EXPECT_THAT(slurp(folder_ / "was/columns.csv"),
               HasSubstr("a skittle that was counted stands upright behind the wall ahead"));
   EXPECT_THAT(slurp(folder_ / "data/README"), HasSubstr("n/a is the pose of a body that is not"));
+  EXPECT_THAT(slurp(folder_ / "data/README"), HasSubstr("on the one clock of the trial"));
   const std::string motion =
       "data/sub-p001/motion/sub-p001_task-bowling_tracksys-simulated_run-01_";
   const auto channels = rows(slurp(folder_ / (motion + "channels.tsv")), '\t');
