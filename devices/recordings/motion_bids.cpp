@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -184,6 +187,43 @@ class EulerOrder {
   std::array<std::size_t, 3> axis_{};
 };
 
+std::optional<double> as_number(std::string_view text) {
+  double number = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+/// What stands for numbers that are not known: n/a, and what the file says besides.
+class Missing {
+ public:
+  explicit Missing(const std::string& said) : said_(said), number_(as_number(said)) {}
+
+  /// Whether a cell is not known by itself. A 0 may be measured.
+  bool is(std::string_view cell) const {
+    if (cell == "n/a") return true;
+    if (said_.empty() || number_ == 0.0) return false;
+    if (cell == said_) return true;
+    const std::optional<double> number = number_ ? as_number(cell) : std::nullopt;
+    return number && (*number == *number_ || (std::isnan(*number) && std::isnan(*number_)));
+  }
+
+  /// Whether numbers that belong together are zeros, which the file says for those that are not known.
+  bool are(std::span<const double> numbers) const {
+    return number_ == 0.0 && std::ranges::all_of(numbers, [](double x) { return x == 0.0; });
+  }
+
+  /// "n/a", "n/a or NaN"
+  std::string words() const {
+    if (said_.empty()) return "n/a";
+    return fmt::format("n/a or {}", number_ == 0.0 ? "zeros" : said_);
+  }
+
+ private:
+  std::string said_;
+  std::optional<double> number_;
+};
+
 /// Reads the rows of a ..._motion.tsv.
 class Rows {
  public:
@@ -193,7 +233,8 @@ class Rows {
         where_(where),
         columns_(columns),
         turned_(frame.axes, where),
-        frame_(frame) {
+        frame_(frame),
+        missing_(frame.missing == "n/a" ? "" : frame.missing) {
     table_.set_names(columns.names);
     for (const auto& [name, point] : columns.points) {
       if (point.has_angles() && !point.has_quaternion() && !order_) order_.emplace(frame, where);
@@ -216,11 +257,15 @@ class Rows {
       for (std::size_t i = 0; i < read_.tracks.size(); ++i) take(i, time);
     }
     tell_unturned(row);
-    const auto note = [&](std::int64_t count, const char* what) {
+    const auto note = [&](std::int64_t count, std::string_view what) {
       if (count > 0) read_.notes.push_back(fmt::format("{} samples {}: left out", count, what));
     };
-    note(unknown_, "are n/a, or have n/a in them");
+    note(unknown_, fmt::format("are {0}, or have {0} in them", missing_.words()));
     note(again_, "are at the time of the one before");
+    if (!columns_.latency && !frame_.rate_from.empty()) {
+      read_.notes.push_back(fmt::format("no LATENCY channel: {:.6g} rows a second, as {} says",
+                                        frame_.rate_hz, frame_.rate_from));
+    }
     if (!frame_.others.empty()) {
       read_.notes.push_back(fmt::format("{} {} not in the reference frame '{}': left out",
                                         fmt::join(frame_.others, ", "),
@@ -231,27 +276,39 @@ class Rows {
 
  private:
   std::optional<double> number(std::size_t column) const {
-    if (table_.text(column) == "n/a") return std::nullopt;
+    if (missing_.is(table_.text(column))) return std::nullopt;
     return table_.number(column);
+  }
+
+  /// Numbers that belong together, of a place or a rotation; nothing if they are not known.
+  template <std::size_t N>
+  std::optional<std::array<double, N>> numbers(
+      std::span<const std::optional<std::size_t>, N> columns) const {
+    std::array<double, N> all{};
+    for (std::size_t i = 0; i < N; ++i) {
+      const std::optional<double> one = number(*columns[i]);
+      if (!one) return std::nullopt;
+      all[i] = *one;
+    }
+    if (missing_.are(all)) return std::nullopt;
+    return all;
   }
 
   std::optional<Pose> pose_of(std::size_t i) const {
     const Point& point = columns_.points[i].second;
-    const auto value = [&](std::size_t k) { return number(*point.column[k]); };
-    const auto angle = [&](std::size_t k) { return number(*point.angle[k]); };
-    const auto x = value(0), y = value(1), z = value(2);
-    if (!x || !y || !z) return std::nullopt;
-    Pose pose{Quat::Identity(), point.unit_m * Vec3(*x, *y, *z)};
+    const auto p = numbers(std::span(point.column).first<3>());
+    if (!p) return std::nullopt;
+    Pose pose{Quat::Identity(), point.unit_m * Vec3((*p)[0], (*p)[1], (*p)[2])};
     if (!point.turns) return pose;
     if (!point.has_quaternion()) {
-      const auto a = angle(0), b = angle(1), c = angle(2);
-      if (!a || !b || !c) return std::nullopt;
-      pose.q = (*order_)(point.unit_rad * Vec3(*a, *b, *c));
+      const auto a = numbers(std::span(point.angle));
+      if (!a) return std::nullopt;
+      pose.q = (*order_)(point.unit_rad * Vec3((*a)[0], (*a)[1], (*a)[2]));
       return pose;
     }
-    const auto qw = value(3), qx = value(4), qy = value(5), qz = value(6);
-    if (!qw || !qx || !qy || !qz) return std::nullopt;
-    pose.q = Quat(*qw, *qx, *qy, *qz);
+    const auto q = numbers(std::span(point.column).last<4>());
+    if (!q) return std::nullopt;
+    pose.q = Quat((*q)[0], (*q)[1], (*q)[2], (*q)[3]);
     return pose;
   }
 
@@ -306,6 +363,7 @@ class Rows {
   const Columns& columns_;
   Axes turned_;
   const BidsFrame& frame_;
+  Missing missing_;
   std::optional<EulerOrder> order_;
   MotionTracks read_;
   std::int64_t unknown_ = 0, again_ = 0;  ///< samples that are left out

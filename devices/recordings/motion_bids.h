@@ -21,7 +21,11 @@ struct BidsFrame {
   /// By which hand angles turn about an axis. Where nothing says it, by the hand of the axes.
   std::optional<bool> left_handed = {};
   std::vector<std::string> others = {};  ///< tracked points in other frames, which are left out
-  double rate_hz = 0.0;  ///< of the samples, where no LATENCY channel has their times
+  double rate_hz = 0.0;        ///< of the samples, where no LATENCY channel has their times
+  std::string rate_from = {};  ///< what says it: "SamplingFrequency"; for a note
+  /// What stands besides n/a in cells that are not known: "NaN", "-9999", "0". Where it is 0, one 0 may be
+  /// measured: only a place or a rotation of zeros alone is not known.
+  std::string missing = {};
 };
 
 /// The reference frame of most tracked points, with its name, axes, rotation order and rule, as far as
@@ -37,9 +41,9 @@ struct BidsFrame {
 BidsFrame bids_frame(std::string_view channels, std::string_view levels, std::string_view where,
                      const std::string& axes = {});
 
-/// The tracked points of a Motion-BIDS recording, in our frame. Samples with n/a in them, those without a
-/// unit quaternion, and those at the time of the one before are left out, with notes. So are points without
-/// a whole place and rotation, but for those that are needed.
+/// The tracked points of a Motion-BIDS recording, in our frame. Samples with n/a or what stands for it in them,
+/// those without a unit quaternion, and those at the time of the one before are left out, with notes. So are
+/// points without a whole place and rotation, but for those that are needed.
 ///
 /// @param motion    the ..._motion.tsv, numbers only
 /// @param channels  the ..._channels.tsv that names its columns

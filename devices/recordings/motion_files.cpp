@@ -163,6 +163,23 @@ nlohmann::json json_beside(const std::string& stem, const char* ending) {
   return nlohmann::json::parse(text_of(stem + ending), nullptr, false);
 }
 
+/// Takes what ..._motion.json says of rate and missing values. The effective rate holds before the nominal one,
+/// as the specification has it.
+void take_about(const nlohmann::json& about, BidsFrame& frame) {
+  if (!about.is_object()) return;
+  for (const char* key : {"SamplingFrequencyEffective", "SamplingFrequency"}) {
+    const auto rate = about.find(key);
+    if (rate == about.end() || !rate->is_number() || !(rate->get<double>() > 0.0)) continue;
+    frame.rate_hz = rate->get<double>();
+    frame.rate_from = key;
+    break;
+  }
+  const auto missing = about.find("MissingValues");
+  if (missing == about.end()) return;
+  if (missing->is_string()) frame.missing = missing->get<std::string>();
+  if (missing->is_number()) frame.missing = missing->dump();
+}
+
 MotionTracks read_motion_bids(const std::string& path, const MotionOptions& options) {
   const std::string stem = path.substr(0, path.size() - kMotionTsv.size());
   const std::string channels = text_of(stem + "_channels.tsv"), levels = stem + "_channels.json";
@@ -175,11 +192,7 @@ MotionTracks read_motion_bids(const std::string& path, const MotionOptions& opti
         "{}: expected SpatialAxes{} in {}, or axes from the user", path,
         frame.name.empty() ? "" : fmt::format(" of reference frame '{}'", frame.name), levels));
   }
-  const nlohmann::json about = json_beside(stem, "_motion.json");
-  if (about.is_object() && about.contains("SamplingFrequency") &&
-      about["SamplingFrequency"].is_number()) {
-    frame.rate_hz = about["SamplingFrequency"].get<double>();
-  }
+  take_about(json_beside(stem, "_motion.json"), frame);
   return parse_motion_bids(text_of(path), channels, path, frame, options.names,
                            options.rotations != "none");
 }

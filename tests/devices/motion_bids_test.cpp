@@ -373,5 +373,46 @@ TEST(MotionBids, AJsonThatDescribesNoFramesSaysNothing) {
   }
 }
 
+// MATLAB and pandas write NaN, some systems a number that they do not measure.
+TEST(MotionBids, WhatTheFileSaysOfMissingValuesIsLeftOutAsNaIs) {
+  const std::string channels = "t\tn/a\tLATENCY\tn/a\ts\n";
+  const auto read = [&](const std::string& missing, const std::string& cell) {
+    std::string rows;
+    for (int i = 0; i < 4; ++i)
+      rows += fmt::format("1\t{}\t3\t1\t0\t0\t0\t0.0{}\n", i == 2 ? cell : "2", i);
+    return parse_motion_bids(rows, quaternion_channels({"head"}) + channels, "x",
+                             {.axes = "RSP", .missing = missing});
+  };
+  for (const auto& [missing, cell] : {std::pair("NaN", "NaN"),
+                                      {"NaN", "nan"},
+                                      {"NaN", "n/a"},
+                                      {"-9999", "-9999.0"},
+                                      {"lost", "lost"}}) {
+    const MotionTracks found = read(missing, cell);
+    EXPECT_THAT(times_in(found), testing::ElementsAre(0, 10'000, 30'000)) << missing;
+    EXPECT_THAT(found.notes,
+                testing::ElementsAre(fmt::format(
+                    "1 samples are n/a or {0}, or have n/a or {0} in them: left out", missing)));
+  }
+  for (const char* missing : {"", "n/a", "-9999"}) {
+    EXPECT_THAT(complaint([&] { read(missing, "NaN"); }),
+                HasSubstr("x:3: heady: expected a finite number, found 'NaN'"))
+        << missing;
+  }
+}
+
+// A quaternion that does not turn has three zeros, and the first row is at time 0.
+TEST(MotionBids, WhereZerosAreMissingValuesOneZeroIsMeasured) {
+  const std::string channels = "t\tn/a\tLATENCY\tn/a\ts\n";
+  const MotionTracks read = parse_motion_bids(
+      "1\t0\t3\t1\t0\t0\t0\t0\n"
+      "0\t0\t0\t1\t0\t0\t0\t0.01\n"
+      "1\t2\t3\t0\t0\t0\t0\t0.02\n"
+      "1\t2\t3\t0\t1\t0\t0\t0.03\n",
+      quaternion_channels({"head"}) + channels, "x", {.axes = "RSP", .missing = "0"});
+  EXPECT_THAT(times_in(read), testing::ElementsAre(0, 30'000));
+  EXPECT_THAT(read.notes, testing::ElementsAre(HasSubstr("2 samples are n/a or zeros")));
+}
+
 }  // namespace
 }  // namespace headpin::devices

@@ -190,5 +190,37 @@ TEST(MotionParts, AreThoseOfTheNumbersOnlyWhereNoNameSaysMore) {
               HasSubstr("x: expected one head among a:0, a:1, a:2; found 0"));
 }
 
+// Of a system that lost samples or ran slow, the effective rate has the times of the rows.
+TEST_F(MotionFormats, RowsOfMotionBidsComeAtTheEffectiveRateWhereItIsSaid) {
+  std::string channels = "name\tcomponent\ttype\ttracked_point\tunits\n", row;
+  for (const char* point : {"head", "right_hand"}) {
+    for (const char* axis : {"x", "y", "z"})
+      channels += fmt::format("n\t{}\tPOS\t{}\tm\n", axis, point);
+    row += fmt::format("{}1\t2\t3", row.empty() ? "" : "\t");
+  }
+  const std::string lost_row = "NaN\t2\t3\tNaN\t2\t3";
+  spit(folder / "a_motion.tsv", row + "\n" + row + "\n" + lost_row + "\n" + row + "\n");
+  spit(folder / "a_channels.tsv", channels);
+  const MotionOptions options{.reading = {.axes = "RSP"}, .rotations = "none"};
+  const auto with = [&](const std::string& rates) {
+    spit(folder / "a_motion.json", "{" + rates + R"(, "MissingValues": "NaN"})");
+    return read_motion(folder / "a_motion.tsv", options);
+  };
+  const std::string nominal = R"("SamplingFrequency": 50)";
+  const std::string effective = nominal + R"(, "SamplingFrequencyEffective": )";
+  const MotionRecording lost = with(effective + "40");
+  EXPECT_THAT(lost.times, testing::ElementsAre(Time{0}, Time{25'000}, Time{75'000}));
+  EXPECT_THAT(lost.notes, testing::Contains("no LATENCY channel: 40 rows a second, as "
+                                            "SamplingFrequencyEffective says"));
+  EXPECT_THAT(lost.notes, testing::Contains(HasSubstr("2 samples are n/a or NaN")));
+  for (const std::string& none :
+       {nominal, effective + "0", effective + "-40", effective + "\"n/a\"", effective + "null"}) {
+    const MotionRecording read = with(none);
+    EXPECT_EQ(read.times.at(1), Time{20'000}) << none;
+    EXPECT_THAT(read.notes, testing::Contains("no LATENCY channel: 50 rows a second, as "
+                                              "SamplingFrequency says"));
+  }
+}
+
 }  // namespace
 }  // namespace headpin::devices
