@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -106,7 +107,7 @@ void take_trackers(const CsvTable& table, TablesTrial& trial) {
     row.go_to(cells);
     devices::TrackerSample s;
     const std::int64_t station = row.whole("station");
-    if (station < 1 || station > 1'000'000) row.fail("station", "a whole number from 1");
+    if (!std::in_range<std::int32_t>(station)) row.fail("station", "a whole number of 32 bits");
     s.station = static_cast<std::int32_t>(station);
     s.device_time = row.time("device_time_s");
     s.host_time = row.time("host_time_s", Time{});

@@ -142,16 +142,26 @@ Traits traits_of(const scene::Recorded& recorded, const std::vector<devices::Sam
   return traits;
 }
 
-/// The samples of a trial, as its log has them. Stations below 1 have no table.
-std::vector<devices::Sample> samples_of(const scene::Recorded& recorded) {
+/// The samples of a trial, as its log has them. Stations below 1 have no table: how many samples of them are
+/// left out is told.
+std::vector<devices::Sample> samples_of(const scene::Recorded& recorded, const std::string& path) {
   std::vector<devices::Sample> samples;
+  std::int64_t left_out = 0;
   recorded.file.walk([&](scene::TrialFile::Item& item) {
     const auto* sample = std::get_if<devices::Sample>(&item);
     if (!sample) return true;
     const auto* tracker = std::get_if<devices::TrackerSample>(sample);
-    if (!tracker || tracker->station > 0) samples.push_back(*sample);
+    if (tracker && tracker->station < 1) {
+      ++left_out;
+    } else {
+      samples.push_back(*sample);
+    }
     return true;
   });
+  if (left_out > 0) {
+    say("headpin experiment export: {}: {} samples of stations below 1 are left out\n",
+        printable(path), left_out);
+  }
   return samples;
 }
 
@@ -252,7 +262,7 @@ Traits write_session(Dataset& dataset, const Study& study, const study::Person& 
   study::BidsSession session{subject,
                              run_index(study, person),
                              &header,
-                             samples_of(recorded),
+                             samples_of(recorded, path.string()),
                              trial.events,
                              recorded.scenario.rig,
                              scene::end_of(trial, recorded.recorded_hz)};

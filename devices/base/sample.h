@@ -16,7 +16,7 @@ struct TrackerSample {
   Time device_time{};  ///< when the pose is valid: it was measured then, or predicted for then
   Time host_time{};    ///< when its first byte arrived; 0 if it was not transmitted
   std::int64_t sequence = 0;  ///< number per station; a gap is a lost sample
-  std::int32_t station = 1;   ///< from 1; a Fastrak has four
+  std::int32_t station = 1;   ///< from 1, of foreign publishers any; a Fastrak has four
   Pose X_TS;                  ///< sensor in the transmitter's frame [m]
   char status = ' ';          ///< ' ' good, else the Fastrak's error letter
   std::uint8_t buttons = 0;   ///< bit 0: stylus switch

@@ -97,6 +97,11 @@ char status_letter(const TrackerSample& sample) {
   return letter || status == ' ' ? status : 'x';
 }
 
+char status_character(const TrackerSample& sample) {
+  const char status = sample.status;
+  return status > ' ' && status < '\x7f' ? status : 'x';
+}
+
 void encode(const TrackerSample& sample, Buffer& out) {
   tracked_device_t m;
   m.device_utime = sample.device_time.count();

@@ -20,6 +20,10 @@ using Buffer = std::vector<std::uint8_t>;
 /// such as the 0 of a publisher that sets none.
 char status_letter(const TrackerSample& sample);
 
+/// The status of a sample that is not good, as tables and streams have it: any character that can be printed,
+/// and 'x' for other bytes.
+char status_character(const TrackerSample& sample);
+
 /// Writes the message into `out`, which is resized; its memory is reused.
 void encode(const TrackerSample& sample, Buffer& out);
 void encode(const MouseSample& sample, Buffer& out);

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "devices/base/sources.h"
+#include "devices/log/sample_messages.h"
 #include "scene/record/table_fields.h"
 
 namespace headpin::scene {
@@ -70,7 +71,7 @@ std::vector<TableField<TrackerRow>> tracker_fields() {
              {"sequence", "whole", "", "number of the sample, per station; a gap is a lost sample",
               [](const Row& r) -> TableValue { return r.sample.sequence; }},
              {"station", "whole", "",
-              "receiver, from 1; without other stations in the rig 1 head, 2 right hand, 3 left hand",
+              "receiver, from 1, of other publishers also 0 and below; without other stations in the rig 1 head, 2 right hand, 3 left hand",
               [](const Row& r) -> TableValue { return r.sample.station; }},
              {"frame", "text", "", "frame of the pose; T is the transmitter's",
               [](const Row& r) -> TableValue { return r.sample.frame; }}} +
@@ -78,12 +79,11 @@ std::vector<TableField<TrackerRow>> tracker_fields() {
              "position of the receiver in that frame", "its rotation, a unit quaternion") +
          std::vector<TableField<Row>>{
              {"status", "text", "",
-              "empty if the sample is good, else the error letter of the Fastrak; x where it is no "
-              "character",
+              "empty if the sample is good, else the error letter of the Fastrak, or what another device sent; "
+              "x where that cannot be printed",
               [](const Row& r) -> TableValue {
                 if (r.sample.good()) return std::string();
-                const char status = r.sample.status;
-                return std::string(1, status > ' ' && status < '\x7f' ? status : 'x');
+                return std::string(1, devices::status_character(r.sample));
               }},
              {"stylus", "yes/no", "", "state of the stylus switch",
               [](const Row& r) -> TableValue { return (r.sample.buttons & 1) != 0; }},

@@ -36,7 +36,8 @@ std::vector<devices::XdfChannel> tracker_channels(const std::string& object) {
       {"qx", "OrientationB", "quaternion", ""},
       {"qy", "OrientationC", "quaternion", ""},
       {"qz", "OrientationD", "quaternion", ""},
-      {"status", "Status", "0 good, else the code of the Fastrak's error letter", ""},
+      {"status", "Status",
+       "0 good, else the code of the Fastrak's error letter, or of another character", ""},
       {"stylus", "Switch", "0/1", ""},
       {"host_time_s", "Time", "s", ""},
       {"session_time_s", "Time", "s", ""},
@@ -163,7 +164,7 @@ class TrialToXdf {
     const Quat& q = s.X_TS.q;
     writer_.add(streams_.at(devices::device_at(s.station)), nearest_seconds(s.device_time),
                 std::array{p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(),
-                           s.good() ? 0.0 : static_cast<double>(devices::status_letter(s)),
+                           s.good() ? 0.0 : static_cast<double>(devices::status_character(s)),
                            static_cast<double>(s.buttons & 1), nearest_seconds(s.host_time),
                            nearest_seconds(s.session_time), static_cast<double>(s.sequence),
                            static_cast<double>(order_), nearest_seconds(s.sent_time),

@@ -452,5 +452,28 @@ TEST_F(StudyExport, ARunThatIsACopyHasTheNumberOfItsRun) {
   EXPECT_THAT(people, testing::Not(HasSubstr("anna")));
 }
 
+// Publishers of others count stations from 0. A station below 1 has no tracking system, which is said.
+TEST_F(StudyExport, TellsHowManySamplesOfStationsBelowOneAreLeftOut) {
+  play(1);
+  const fs::path run = folder_ / "study/sessions/p001/run-01.lcmlog";
+  fs::rename(run, folder_ / "whole.lcmlog");
+  rewrite_trial(folder_ / "whole.lcmlog", run, [](scene::Trial& one) {
+    devices::TrackerSample sample;
+    for (const std::int32_t station : {0, -2, 0}) {
+      sample.station = station;
+      ++sample.sequence;
+      one.samples.insert(one.samples.begin(), sample);
+    }
+  });
+  const Result made = headpin("experiment export study --motion-bids data");
+  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_THAT(made.err,
+              HasSubstr("p001/run-01.lcmlog: 3 samples of stations below 1 are left out\n"));
+  const std::string motion = "data/sub-p001/motion/sub-p001_task-bowling_tracksys-";
+  EXPECT_EQ(headpin("import " + motion + "hand_run-01_motion.tsv -o again.lcmlog").code, 0);
+  EXPECT_EQ(scene::read_trial(folder_ / "again.lcmlog").samples.size() + 3,
+            scene::read_trial(run).samples.size());
+}
+
 }  // namespace
 }  // namespace headpin

@@ -1,5 +1,6 @@
 // Trials and recordings as XDF: there and back, and read by Debian's libxdf.
 
+#include <fmt/format.h>
 #include <xdf.h>
 
 #include "tests/apps/rewritten.h"
@@ -281,6 +282,44 @@ TEST_F(XdfCommands, OneOutputIsAskedForAndNothingIsOverwritten) {
   EXPECT_EQ(headpin("export game.lcmlog --xdf -").out, before);
   EXPECT_EQ(headpin("export game.lcmlog --xdf again.xdf").code, 0);
   EXPECT_EQ(slurp(folder_ / "again.xdf"), before);
+}
+
+// Publishers of others count stations from 0, and send a status that no Fastrak has. What cannot be printed is an x.
+TEST_F(XdfCommands, AnyStationAndStatusComesBackFromXdfAndFromTablesAlike) {
+  const std::vector<std::int32_t> stations = {0, -3, 2'000'000'000};
+  const std::string sent = {'k', '"', ',', ';', '0', '~', '\x01', '\x7f', '\xe9', '\0'};
+  const std::string kept = "k\",;0~xxxx";
+  rewrite_trial(folder_ / "game.lcmlog", folder_ / "odd.lcmlog", [&](scene::Trial& odd) {
+    const auto first = std::ranges::find_if(odd.samples, [](const devices::Sample& sample) {
+      return std::holds_alternative<devices::TrackerSample>(sample);
+    });
+    const auto model = std::get<devices::TrackerSample>(*first);
+    std::vector<devices::Sample> more;
+    for (const std::int32_t station : stations) {
+      for (std::size_t i = 0; i < sent.size(); ++i) {
+        devices::TrackerSample sample = model;
+        sample.station = station;
+        sample.sequence = static_cast<std::int64_t>(i);
+        sample.status = sent[i];
+        more.emplace_back(sample);
+      }
+    }
+    odd.samples.insert(first, more.begin(), more.end());
+  });
+  EXPECT_EQ(headpin("export odd.lcmlog --xdf odd.xdf").code, 0);
+  EXPECT_EQ(headpin("export odd.lcmlog -o odd").code, 0);
+  for (const char* from : {"odd.xdf", "odd"}) {
+    const Result made = headpin(fmt::format("import {} -o back.lcmlog --force", from));
+    ASSERT_EQ(made.code, 0) << from << made.err;
+    for (const std::int32_t station : stations) {
+      std::string statuses;
+      for (const devices::Sample& sample : trial("back.lcmlog").samples) {
+        const auto* tracker = std::get_if<devices::TrackerSample>(&sample);
+        if (tracker && tracker->station == station) statuses += tracker->status;
+      }
+      EXPECT_EQ(statuses, kept) << from << " " << station;
+    }
+  }
 }
 
 }  // namespace

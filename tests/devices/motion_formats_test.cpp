@@ -203,7 +203,7 @@ TEST_F(MotionFormats, RowsOfMotionBidsComeAtTheEffectiveRateWhereItIsSaid) {
   spit(folder / "a_channels.tsv", channels);
   const MotionOptions options{.reading = {.axes = "RSP"}, .rotations = "none"};
   const auto with = [&](const std::string& rates) {
-    spit(folder / "a_motion.json", "{" + rates + R"(, "MissingValues": "NaN"})");
+    spit(folder / "a_motion.json", fmt::format(R"({{{}, "MissingValues": "NaN"}})", rates));
     return read_motion(folder / "a_motion.tsv", options);
   };
   const std::string nominal = R"("SamplingFrequency": 50)";
