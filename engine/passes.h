@@ -18,6 +18,9 @@ inline constexpr double kRoundedLoad = 1e-9;
 /// Most islands are solved after this many passes. For the others, further passes are accelerated.
 inline constexpr int kPlainPasses = 8;
 
+/// Passes converge slowly where this many do not halve the largest change.
+inline constexpr int kSlow = 8;
+
 /// Accelerated passes diverge if one changes velocities by more than this many times the least
 /// change so far. This happens where masses differ a thousandfold. The passes after that are plain.
 inline constexpr double kAstray = 100.0;
@@ -179,15 +182,22 @@ struct Passes {
   bool solved = false;
 };
 
-/// @param enough  solved when no velocity changes by more in a pass [m/s]
-inline Passes pass_over(const Island& s, bool sped_up, int most, double enough) {
+/// How passes are made, and when they end.
+struct PassPlan {
+  int most = 0;              ///< passes
+  double enough = 0.0;       ///< solved when no velocity changes by more in a pass [m/s]
+  int plain = kPlainPasses;  ///< the first of them, which are not accelerated
+  bool gives_up = false;     ///< ends where they converge slowly
+};
+
+inline Passes pass_over(const Island& s, const PassPlan& plan) {
   Passes done;
-  double best = std::numeric_limits<double>::infinity();
-  bool plain = !sped_up;
+  double best = std::numeric_limits<double>::infinity(), earlier = best;
+  bool plain = plan.plain >= plan.most;
   Acceleration faster(s);
   do {
     done.worst = 0.0;
-    if (done.count >= kPlainPasses && !plain) faster.before_pass();
+    if (done.count >= plan.plain && !plain) faster.before_pass();
     FrictionRows* friction = s.rows.friction.data();
     FrictionRows* const end = friction + s.rows.friction.size();
     for (const std::uint32_t k : s.each) {
@@ -200,11 +210,15 @@ inline Passes pass_over(const Island& s, bool sped_up, int most, double enough) 
                             }));
     }
     ++done.count;
-    done.solved = done.worst <= enough;
-    if (done.solved || done.count >= most) return done;
+    done.solved = done.worst <= plan.enough;
+    if (done.solved || done.count >= plan.most) return done;
+    if (plan.gives_up && done.count % kSlow == 0) {
+      if (done.worst > 0.5 * earlier) return done;
+      earlier = done.worst;
+    }
     best = std::min(best, done.worst);
     plain = plain || done.worst > kAstray * best;
-    if (done.count > kPlainPasses && !plain) faster.after_pass();
+    if (done.count > plan.plain && !plain) faster.after_pass();
   } while (true);
 }
 

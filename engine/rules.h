@@ -133,6 +133,14 @@ inline bool looks_often(const Parameters& p) {
   return p.rules >= 15;
 }
 
+// Since rules 16: how lasting contacts are solved.
+
+/// An island gets accelerated passes before it is solved directly, and a crowd is solved when no velocity changes by
+/// more than a part of what its contacts change. The passes are accelerated otherwise.
+inline bool speeds_up_first(const Parameters& p) {
+  return p.rules >= 16;
+}
+
 /// The query with what older rules lack switched off.
 inline Query query_under(const Parameters& p) {
   Query query = p.query;

@@ -22,9 +22,14 @@ constexpr int kDirectRounds = 10;
 constexpr double kSoftest = 1e-3, kHardest = 1e-6;
 constexpr int kQuick = 3;  // Newton's steps after which the next compliance may be smaller
 
+/// Accelerated passes before an island is solved directly, unless they converge slowly.
+constexpr int kQuickPasses = 100;
+
 /// What is left is solved when no velocity changes by more than this part of what gravity adds in a
 /// step: an island that direct solutions did not solve better, and a crowd, which has none.
 constexpr double kNearly = 5e-4, kCrowd = 1e-2;
+/// For a crowd, the same part of what its contacts change beyond what gravity adds.
+constexpr double kOfMore = 2.5e-2;
 
 /// Square of the cosine between normal and gravity from which a surface is level: within a quarter of a
 /// degree.
@@ -33,10 +38,14 @@ constexpr double kLevel = 1.0 - 2e-5;
 /// Energy that an unsolved island may gain, as a fraction of its kinetic energy.
 constexpr double kGain = 1e-9;
 
+PassPlan all_plain(int most, double enough) {
+  return {most, enough, most};
+}
+
 /// More passes over an island that was not solved.
-void go_on(const Island& s, Passes& done, bool sped_up, int most, double enough) {
+void go_on(const Island& s, Passes& done, const PassPlan& plan) {
   const int count = done.count;
-  done = pass_over(s, sped_up, most, enough);
+  done = pass_over(s, plan);
   done.count += count;
 }
 
@@ -103,7 +112,7 @@ double energy_of(const World& world, std::span<const BodyId> bodies) {
     each_impulse(s, [&](double& x, double, auto&&) { x = before[n++]; });
     return;
   }
-  const auto once_more = [&] { go_on(s, done, false, p.solver_iterations, p.solver_residual); };
+  const auto once_more = [&] { go_on(s, done, all_plain(p.solver_iterations, p.solver_residual)); };
   for (FrictionRows& f : s.rows.friction) f.hold(0.0);
   once_more();
   for (FrictionRows& f : s.rows.friction) f.hold(load_of(s, s.solved[f.touch]));
@@ -120,7 +129,25 @@ double energy_of(const World& world, std::span<const BodyId> bodies) {
   for (FrictionRows& f : s.rows.friction) softer = soften(f, kSoft) || softer;
   if (!softer) return;
   const Parameters& p = s.world.parameters;
-  go_on(s, done, true, kSoftPasses * p.solver_iterations, enough);
+  go_on(s, done, {kSoftPasses * p.solver_iterations, enough});
+}
+
+/// Accelerated passes over an island that is planned, as long as they converge quickly. If they do not solve it,
+/// they change nothing: direct solutions converge less often from where such passes have come to.
+void solve_quickly(const Island& s, Passes& done) {
+  const Parameters& p = s.world.parameters;
+  RowsBefore& start = s.rows.start;
+  start.loads.clear();
+  for (const NormalRow& row : s.normals) start.loads.push_back(row.impulse);
+  start.friction = s.rows.friction;
+  start.states.clear();
+  for (const BodyId i : s.rows.direct.bodies) start.states.push_back(s.world.states[i]);
+  go_on(s, done, {std::min(kQuickPasses, p.solver_iterations), p.solver_residual, 1, true});
+  if (done.solved) return;
+  for (std::size_t k = 0; k < s.normals.size(); ++k) s.normals[k].impulse = start.loads[k];
+  s.rows.friction = start.friction;
+  const std::vector<BodyId>& bodies = s.rows.direct.bodies;
+  for (std::size_t k = 0; k < bodies.size(); ++k) s.world.states[bodies[k]] = start.states[k];
 }
 
 /// Direct solutions of an island, until a pass finds it solved.
@@ -134,27 +161,68 @@ double energy_of(const World& world, std::span<const BodyId> bodies) {
       continue;
     }
     if (steps <= kQuick) compliance = std::max(kHardest, 0.1 * compliance);
-    go_on(s, done, false, 1, residual);
+    go_on(s, done, all_plain(1, residual));
   }
 }
 
-/// A few plain passes, then direct solutions. Where these fail, or are too expensive, more passes,
-/// which need not solve the island as well. What is not solved then gets softer friction.
+/// How much contacts change the velocities of an island's bodies, root of the mean square [m/s].
+double change_by_contacts(const Island& s) {
+  std::vector<BodyId>& bodies = s.rows.bodies;
+  std::vector<Vec3>& pushed = s.rows.pushed;
+  list_bodies(s, bodies);
+  pushed.resize(s.world.bodies.size());
+  for (const BodyId i : bodies) pushed[i] = Vec3::Zero();
+  const auto push = [&](const Touch& touch, const Vec3& F) {
+    pushed[touch.a] += s.bodies.mobility[touch.a].inv_mass * F;
+    if (touch.b_moves) pushed[touch.b] -= s.bodies.mobility[touch.b].inv_mass * F;
+  };
+  for (const std::uint32_t k : s.each) {
+    const SolvedTouch& solved = s.solved[k];
+    for (std::uint32_t n = 0; n < solved.rows; ++n) {
+      const NormalRow& row = s.normals[solved.first_row + n];
+      push(s.touches[k], -row.impulse * row.n);
+    }
+  }
+  for (const FrictionRows& f : s.rows.friction) {
+    push(s.touches[f.touch], f.impulse[0] * f.t[0] + f.impulse[1] * f.t[1]);
+  }
+  double sum = 0.0;
+  for (const BodyId i : bodies) sum += pushed[i].squaredNorm();
+  return std::sqrt(sum / static_cast<double>(bodies.size()));
+}
+
+/// The change of a velocity in a pass at which what is left is solved [m/s].
+///
+/// @param planned  the island has been solved directly, but not as well as it should be
+double enough_for(const Island& s, bool planned) {
+  const Parameters& p = s.world.parameters;
+  const double falls = p.gravity_W.norm() * step_seconds(s.world);
+  if (planned) return std::max(p.solver_residual, kNearly * falls);
+  if (!speeds_up_first(p)) return std::max(p.solver_residual, kCrowd * falls);
+  const double more = std::max(0.0, change_by_contacts(s) - falls);
+  return std::max(p.solver_residual, kCrowd * falls + kOfMore * more);
+}
+
+/// A few plain passes, then accelerated ones as long as they converge quickly, then direct solutions. Where these
+/// fail, or are too expensive, more passes, which need not solve the island as well. What is not solved then gets
+/// softer friction.
 Passes solve_rows(const Island& s) {
   const Parameters& p = s.world.parameters;
   if (!solves_directly(p)) {
-    Passes done = pass_over(s, true, p.solver_iterations, p.solver_residual);
+    Passes done = pass_over(s, {p.solver_iterations, p.solver_residual});
     if (!done.solved) solve_softly(s, done, p.solver_residual);
     return done;
   }
+  const bool quick = speeds_up_first(p);
   const int few = std::min(kPlainPasses, p.solver_iterations);
-  Passes done = pass_over(s, false, few, p.solver_residual);
+  Passes done = pass_over(s, all_plain(few, p.solver_residual));
   if (done.solved) return done;
   const bool planned = plan_direct(s, s.rows.direct);
+  if (planned && quick) solve_quickly(s, done);
   if (planned) solve_in_rounds(s, done);
-  const double falls = p.gravity_W.norm() * step_seconds(s.world);
-  const double enough = std::max(p.solver_residual, (planned ? kNearly : kCrowd) * falls);
-  if (!done.solved) go_on(s, done, true, p.solver_iterations, enough);
+  if (done.solved) return done;
+  const double enough = enough_for(s, planned);
+  go_on(s, done, {p.solver_iterations, enough, quick ? 1 : kPlainPasses});
   if (!done.solved) solve_softly(s, done, enough);
   return done;
 }
@@ -262,7 +330,7 @@ HEADPIN_ALSO_AVX HEADPIN_FLATTEN void solve_island(Island& s, Workspace& w) {
   Passes done = solve_rows(s);
   if (squeeze.is_found(done.solved)) {
     squeeze.yield();
-    go_on(s, done, true, p.solver_iterations, p.solver_residual);
+    go_on(s, done, {p.solver_iterations, p.solver_residual});
     if (!done.solved) take_back_gain(s, done);
     squeeze.insist();
   } else if (!done.solved) {

@@ -235,6 +235,13 @@ struct Direct {
   std::vector<Vec6> changes, step;  ///< of velocities: up to now; by Newton's method
 };
 
+/// An island as it was before passes that may not solve it.
+struct RowsBefore {
+  std::vector<double> loads;  ///< of its normal rows
+  std::vector<FrictionRows> friction;
+  std::vector<State> states;  ///< of its bodies
+};
+
 /// Buffers for the solution of an island.
 struct Rows {
   std::vector<NormalRow> normals;
@@ -242,7 +249,9 @@ struct Rows {
   std::vector<FrictionRows> friction;
   std::vector<double> before, along;  ///< impulses: before a pass; search direction
   Direct direct;
+  RowsBefore start;
   std::vector<BodyId> bodies;                      ///< of an island that its passes did not solve
+  std::vector<Vec3> pushed;                        ///< change of a body's velocity by its contacts
   std::vector<State> unsolved;                     ///< states of these bodies after the passes
   std::vector<std::pair<BodyId, State>> pressed;   ///< states of an island before it is solved
   std::vector<std::pair<BodyId, State>> pressing;  ///< states of driven bodies that touch it

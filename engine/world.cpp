@@ -43,7 +43,7 @@ void check_parameters(const Parameters& p) {
   expect_between(p.solver_residual, 0.0, 1.0, "solver_residual [m/s]");
   expect_between(p.slop, 0.0, 0.1, "slop [m]");
   expect_between(p.push, 0.0, 1.0, "push");
-  expect_between(p.rules, 1, 15, "rules");
+  expect_between(p.rules, 1, 16, "rules");
   expect_between(p.sleep_speed, 0.0, 10.0, "sleep_speed [m/s]");
   expect_between(p.sleep_spin, 0.0, 100.0, "sleep_spin [rad/s]");
   expect_between(p.sleep_after, 0.0, 1e4, "sleep_after [s]");

@@ -1,4 +1,4 @@
-/// Structures that stand and a bin of skittles: a step of today's rules, of rules 3, and of Bullet.
+/// Structures that stand and bins of skittles: a step of today's rules, of rules 3 and 15, and of Bullet.
 ///
 ///   crowds_bench [--quick]
 
@@ -115,11 +115,17 @@ void run(bool quick) {
   compare("20 boxes", stack, "Bullet",
           timed([&] { bullet.step(); }, [&] { return bullet.moved(); }, seconds));
   for (const std::string response : {"paper", "coulomb"}) {
+    const auto pile = [&](int rules) {
+      return ours(engine::skittles_in_a_bin(17, 0.3, response, rules), quick ? 1 : 3);
+    };
+    compare("bin of 17 skittles, " + response, pile(16), "rules 15", pile(15));
     const auto bin = [&](int rules) {
       return ours(engine::skittles_in_a_bin(quick ? 20 : 100, 0.45, response, rules),
                   quick ? 2 : 6);
     };
-    compare("bin of 100 skittles, " + response, bin(5), "rules 3", bin(3));
+    const Outcome mine = bin(16);
+    compare("bin of 100 skittles, " + response, mine, "rules 3", bin(3));
+    compare("bin of 100 skittles, " + response, mine, "rules 15", bin(15));
   }
   publish("crowds", rows);
 }

@@ -106,6 +106,13 @@ double deepest_overlap(const std::string& path, std::int64_t rules) {
   return deepest;
 }
 
+// Made in November 2026, under rules 15: the demo under the response coulomb, whose fallen pins were solved directly.
+TEST(ATrialOfRules15, ComesToTheHashesOfItsTime) {
+  const std::string path = HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-15.lcmlog";
+  EXPECT_EQ(replayed(path), (Hashes{"21d90d15a36f549d", "d9bbb4669578c96f"}));
+  EXPECT_NE(replayed(path, 16).state, "21d90d15a36f549d");
+}
+
 // Made in November 2026, under rules 14: skittles that graze each other within a step are 12 mm in each other after the
 // next, at 120 Hz and with the paper's detection.
 TEST(ATrialOfRules14, ComesToTheHashesOfItsTimeAndItsBodiesMeetWhereTheyGrazeUnderRules15) {

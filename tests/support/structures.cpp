@@ -64,26 +64,57 @@ Structure arch(int stones, int rate_hz, int rules) {
   return s;
 }
 
+namespace {
+
+/// Cards that lean and cards across.
+class Cards {
+ public:
+  Cards(int rate_hz, int rules) : s_(on_floor(kCard, without_sleep(rate_hz, "coulomb", rules))) {}
+
+  void put_card(double x, double z, double angle) {
+    put(s_, body_, Pose{Quat(Eigen::AngleAxisd(angle, Vec3::UnitY())), Vec3(x, 0.0, z)});
+  }
+  void put_pair(double x, double z) {
+    put_card(x - kAside, z + kUp, kLean);
+    put_card(x + kAside, z + kUp, -kLean);
+  }
+  void put_across(double x, double z) { put_card(x, z + 0.5 * kThickness, 0.5 * kPi); }
+  Structure house() { return std::move(s_); }
+
+  static constexpr double kLength = 0.09, kThickness = 0.0006, kLean = 0.35;
+  static inline const double kUp = 0.5 * (kLength * std::cos(kLean) + kThickness * std::sin(kLean));
+  static inline const double kAside =
+      0.5 * (kLength * std::sin(kLean) + kThickness * std::cos(kLean));
+
+ private:
+  static constexpr Material kCard{0.0, 0.7};
+  Structure s_;
+  Body body_ = solid(test::box({0.5 * kThickness, 0.03, 0.5 * kLength}), kCard, 0.002);
+};
+
+}  // namespace
+
 Structure card_house(int rate_hz, int rules) {
-  const Material card{0.0, 0.7};
-  Structure s = on_floor(card, without_sleep(rate_hz, "coulomb", rules));
-  const double length = 0.09, thickness = 0.0006, lean = 0.35;
-  const Body body = solid(test::box({0.5 * thickness, 0.03, 0.5 * length}), card, 0.002);
-  const auto put_card = [&](double x, double z, double angle) {
-    put(s, body, Pose{Quat(Eigen::AngleAxisd(angle, Vec3::UnitY())), Vec3(x, 0.0, z)});
-  };
-  const double up = 0.5 * (length * std::cos(lean) + thickness * std::sin(lean));
-  const double aside = 0.5 * (length * std::sin(lean) + thickness * std::cos(lean));
-  const auto put_pair = [&](double x, double z) {
-    put_card(x - aside, z + up, lean);
-    put_card(x + aside, z + up, -lean);
-  };
-  const double span = 4.0 * aside + 0.002;
-  put_pair(-0.5 * span, 0.0);
-  put_pair(0.5 * span, 0.0);
-  put_card(0.0, 2.0 * up + 0.5 * thickness, 0.5 * kPi);
-  put_pair(0.0, 2.0 * up + thickness);
-  return s;
+  Cards cards(rate_hz, rules);
+  const double span = 4.0 * Cards::kAside + 0.002, up = 2.0 * Cards::kUp;
+  cards.put_pair(-0.5 * span, 0.0);
+  cards.put_pair(0.5 * span, 0.0);
+  cards.put_across(0.0, up);
+  cards.put_pair(0.0, up + Cards::kThickness);
+  return cards.house();
+}
+
+Structure card_house_of(int storeys, int rate_hz, int rules) {
+  Cards cards(rate_hz, rules);
+  const double span = Cards::kLength + 0.0005;
+  double z = 0.0;
+  for (int pairs = storeys; pairs > 0; --pairs) {
+    for (int i = 0; i < pairs; ++i) cards.put_pair((i - 0.5 * (pairs - 1)) * span, z);
+    z += 2.0 * Cards::kUp;
+    for (int i = 0; i + 1 < pairs; ++i) cards.put_across((i - 0.5 * (pairs - 2)) * span, z);
+    z += Cards::kThickness;
+  }
+  return cards.house();
 }
 
 Structure boxes_on_each_other(int count, int rate_hz, std::string_view response, int rules) {

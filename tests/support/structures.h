@@ -32,6 +32,10 @@ Structure arch(int stones, int rate_hz, int rules = Parameters{}.rules);
 /// card across, and a pair on it.
 Structure card_house(int rate_hz, int rules = Parameters{}.rules);
 
+/// A house of playing cards that lean by 0.35 rad, under `coulomb`, friction 0.49: a pair less in each storey, and
+/// cards across between two storeys.
+Structure card_house_of(int storeys, int rate_hz, int rules = Parameters{}.rules);
+
 /// Boxes 0.2 m wide and 0.1 m high of 1 kg, each up to 5 mm beside the middle, friction 0.49.
 Structure boxes_on_each_other(int count, int rate_hz, std::string_view response,
                               int rules = Parameters{}.rules);
