@@ -13,7 +13,7 @@ namespace {
 
 /// Multiplications of a body's elimination: its own block, and for each neighbour and each two.
 constexpr double kOwn = 72.0, kNeighbour = 216.0, kTwo = 216.0;
-/// Most multiplications of a factorisation: 100 bodies on each other, or 10 that all touch.
+/// Most multiplications of a factorisation: 100 bodies on each other; under older rules also 10 that all touch.
 constexpr double kMostProducts = 5e4;
 /// Where there are more than this, most for each body: it is 500 in a stack, 700 in a card house, 1300 and more in
 /// a pile. Direct solutions of piles need many of Newton's steps, and piles stand without them.

@@ -28,7 +28,7 @@ constexpr int kQuickPasses = 100;
 /// What is left is solved when no velocity changes by more than this part of what gravity adds in a
 /// step: an island that direct solutions did not solve better, and a crowd, which has none.
 constexpr double kNearly = 5e-4, kCrowd = 1e-2;
-/// For a crowd, the same part of what its contacts change beyond what gravity adds.
+/// For a crowd, plus this part of what its contacts change beyond what gravity adds.
 constexpr double kOfMore = 2.5e-2;
 
 /// Square of the cosine between normal and gravity from which a surface is level: within a quarter of a

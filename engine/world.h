@@ -44,7 +44,7 @@ struct Parameters {
                                      ///< not solved then, up to four times as many more with softer
                                      ///< friction
   double solver_residual = 1e-6;     ///< solved when no velocity changes by more in a pass [m/s];
-                                     ///< for crowds a part of what gravity adds in a step
+                                     ///< for crowds a part of what gravity and contacts add
   double slop = 5e-5;                ///< overlap that is not corrected [m]
   double push = 0.2;          ///< part of the remaining overlap that is corrected each 1/240 s
   bool sleep = true;          ///< islands at rest sleep until a moving body touches them
