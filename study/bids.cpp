@@ -121,13 +121,13 @@ double rate_of(std::int64_t rows, double duration_s) {
   return duration_s > 0.0 ? static_cast<double>(rows - 1) / duration_s : 0.0;
 }
 
-/// The rate of a device, by the median step between its samples. Stamps are whole microseconds, and clocks
-/// run a little fast or slow: half a percent from a whole number of hertz is that number.
+/// The rate of a device, by the usual step between its samples. Stamps are whole microseconds or coarser, and
+/// clocks run a little fast or slow: half a percent from a whole number of hertz is that number.
 ///
 /// @param times_us  when the samples were measured [us]
 /// @return          [Hz]; 0 where time never advances
 double nominal_rate(const std::vector<double>& times_us) {
-  const double step_us = devices::median_step(times_us);
+  const double step_us = devices::usual_step(times_us);
   if (step_us == 0.0) return 0.0;
   const double rate_hz = 1e6 / step_us, whole_hz = std::round(rate_hz);
   return std::abs(rate_hz - whole_hz) <= 0.005 * rate_hz ? whole_hz : rate_hz;

@@ -408,12 +408,14 @@ TEST(MotionBidsTables, OfTheSimulationHaveNoPosesOfBodiesThatAreNotInPlay) {
 }
 
 /// The sidecar of a hand that was measured at these ticks.
-nlohmann::json sidecar_of_ticks(const std::vector<int>& ticks, std::int64_t rate_hz) {
+/// @param unit  of its stamps
+nlohmann::json sidecar_of_ticks(const std::vector<int>& ticks, std::int64_t rate_hz,
+                                Time unit = Time{1}) {
   std::vector<devices::Sample> samples;
   for (const int tick : ticks) {
     devices::TrackerSample tracker;
     tracker.station = devices::kHandStation;
-    tracker.device_time = tick_time(tick, rate_hz);
+    tracker.device_time = unit * (tick_time(tick, rate_hz) / unit);
     samples.emplace_back(tracker);
   }
   scene::TrialHeader header;
@@ -441,6 +443,18 @@ TEST(MotionBidsTables, HaveTheRateOfTheDeviceWhateverIsLost) {
   std::vector<int> thirds;
   for (int i = 0; i < 100; ++i) thirds.push_back(3 * i);
   EXPECT_NEAR(sidecar_of_ticks(thirds, 40)["SamplingFrequency"].get<double>(), 40.0 / 3.0, 1e-9);
+}
+
+// In whole milliseconds the steps of 60 Hz are 16 and 17 ms, and those of 120 Hz 8 and 9 ms.
+TEST(MotionBidsTables, HaveTheRateOfADeviceWithCoarseStamps) {
+  std::vector<int> ticks;
+  for (int i = 0; i < 2000; ++i) {
+    if (i % 50 != 3 && (i < 500 || i >= 1100)) ticks.push_back(i);
+  }
+  for (const std::int64_t rate_hz : {60, 72, 90, 120, 144}) {
+    EXPECT_EQ(sidecar_of_ticks(ticks, rate_hz, Time{1000})["SamplingFrequency"],
+              static_cast<double>(rate_hz));
+  }
 }
 
 }  // namespace
