@@ -21,13 +21,15 @@ void leave_to_person(const std::vector<Run>& runs, const std::string& id) {
 NextRun::NextRun(const Study& study, const std::string& id, const std::string& command,
                  bool is_virtual)
     : folder_(study.at.sessions(id)) {
-  std::filesystem::create_directories(folder_);
-  lock_.emplace(folder_, "playing the session of " + id);
   renew(study, id, command, is_virtual);
 }
 
 void NextRun::renew(const Study& study, const std::string& id, const std::string& command,
                     bool is_virtual) {
+  if (!lock_ || !std::filesystem::exists(folder_)) {
+    std::filesystem::create_directories(folder_);
+    lock_.emplace(folder_, "playing the session of " + id);
+  }
   base::remove_left_parts(folder_.string());
   const std::vector<Run> runs = runs_of(study, id);
   if (const Run* done = counting(runs)) {

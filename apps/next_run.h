@@ -36,8 +36,9 @@ class NextRun {
   /// @throws PlayedAlready
   /// @throws PersonsSession     for a virtual participant where a person's session was cut off
   NextRun(const Study& study, const std::string& id, const std::string& command, bool is_virtual);
-  /// Names the run after this one, which was cut off. The folder stays locked, whether it can or not.
-  /// @throws PlayedAlready, PersonsSession  as above
+  /// Names the run after this one, which was cut off. The folder stays locked, whether it can or not; one that
+  /// was put elsewhere meanwhile is made anew.
+  /// @throws base::Busy, PlayedAlready, PersonsSession  as above
   void renew(const Study& study, const std::string& id, const std::string& command,
              bool is_virtual);
   const std::string& path() const { return path_; }

@@ -75,5 +75,23 @@ TEST_F(Serve, TheSessionStaysLockedWhenAnotherLinkCannotBeginItsGame) {
   EXPECT_EQ(slurp(folder_ / "study/sessions/p001/run-02.lcmlog"), log);
 }
 
+// The folder was missing until the server was started anew.
+TEST_F(Serve, AnotherLinkBeginsItsGameWhereTheFolderOfTheFirstOneWasPutAside) {
+  ASSERT_EQ(headpin("experiment plan -o study --people 1").code, 0);
+  start("study --links 1");
+  const std::string again = "/links" + operator_.substr(1) + "&again=" + links_[0].substr(6);
+  const std::string log = slurp(kDemoLog);
+  EXPECT_EQ(post(links_[0], "begin").status, 200);
+  EXPECT_EQ(post(links_[0], "log?at=0", log.substr(0, 20'000)).status, 200);
+  const std::string other = nlohmann::json::parse(ask("POST", again).body)["path"];
+  fs::rename(folder_ / "study/sessions/p001", folder_ / "aside");
+  EXPECT_EQ(post(other, "begin", "", kOtherKey).status, 200);
+  EXPECT_EQ(post(other, "log?at=0", log, kOtherKey).status, 200);
+  expect_refusal("experiment run study --participant p001 --virtual", 75, "p001");
+  EXPECT_EQ(stop(), 0);
+  EXPECT_EQ(slurp(folder_ / "aside/run-01.lcmlog"), log.substr(0, 20'000));
+  EXPECT_EQ(slurp(folder_ / "study/sessions/p001/run-01.lcmlog"), log);
+}
+
 }  // namespace
 }  // namespace headpin
