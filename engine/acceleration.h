@@ -67,12 +67,14 @@ void each_impulse(const Island& s, F&& f) {
 }
 
 /// Accelerates the passes of an island; each pass serves as a gradient. Plain passes carry a change of load up a
-/// stack by one body each; accelerated passes carry it faster. Each goes on from where the last ones were heading: as
-/// far as Nesterov's method says, which starts again where passes change more than before (O'Donoghue and Candes
-/// 2015); under older rules as conjugate gradients do (Silcowitz-Hansen, Niebe and Erleben 2010).
+/// stack by one body each; accelerated passes carry it faster. Nesterov's method: the next pass begins beyond where
+/// the last one came to, in the direction in which they came there from the one before. It starts again where a pass
+/// leads back (O'Donoghue and Candes 2015, gradient scheme). Older rules use conjugate gradients (Silcowitz-Hansen,
+/// Niebe and Erleben 2010).
 class Acceleration {
  public:
-  explicit Acceleration(const Island& island) : island_(island), s_(island.rows) {}
+  explicit Acceleration(const Island& island)
+      : island_(island), s_(island.rows), conjugate_(!speeds_up_first(island.world.parameters)) {}
 
   void before_pass() {
     s_.before.clear();
@@ -81,13 +83,39 @@ class Acceleration {
   }
 
   void after_pass() {
+    conjugate_ ? follow_conjugate() : go_beyond();
+    begun_ = true;
+  }
+
+ private:
+  /// `along` are the impulses after the last pass.
+  void go_beyond() {
+    double onward = 0.0;  // how far this pass leads on from the last one [J]
+    std::size_t n = 0;
+    each_impulse(island_, [&](double& impulse, double yields, auto&&) {
+      if (begun_) onward += (impulse - s_.before[n]) * (impulse - s_.along[n]) * yields;
+      ++n;
+    });
+    const double was = begun_ && onward >= 0.0 ? inertia_ : 1.0;
+    inertia_ = 0.5 * (1.0 + std::sqrt(1.0 + 4.0 * was * was));
+    const double keep = (was - 1.0) / inertia_;
+    n = 0;
+    each_impulse(island_, [&](double& impulse, double, auto&& apply) {
+      const double more = keep > 0.0 ? keep * (impulse - s_.along[n]) : 0.0;
+      s_.along[n++] = impulse;
+      if (more != 0.0) apply(more);
+    });
+  }
+
+  /// `along` is the search direction.
+  void follow_conjugate() {
     double now = 0.0;
     std::size_t n = 0;
     each_impulse(island_, [&](double& impulse, double yields, auto&&) {
       const double more = impulse - s_.before[n++];
       now += more * more * yields;
     });
-    const double keep = part_to_keep(now);
+    const double keep = last_ > 0.0 && now < last_ ? now / last_ : 0.0;
     last_ = now;
     n = 0;
     each_impulse(island_, [&](double& impulse, double, auto&& apply) {
@@ -98,19 +126,10 @@ class Acceleration {
     });
   }
 
- private:
-  /// The part of the last change that is made once more.
-  /// @param now  square of the change by this pass
-  double part_to_keep(double now) {
-    const bool shrinks = last_ > 0.0 && now < last_;
-    if (!speeds_up_first(island_.world.parameters)) return shrinks ? now / last_ : 0.0;
-    const double was = shrinks ? inertia_ : 1.0;
-    inertia_ = 0.5 * (1.0 + std::sqrt(1.0 + 4.0 * was * was));
-    return (was - 1.0) / inertia_;
-  }
-
   const Island& island_;
   Rows& s_;
+  bool conjugate_;
+  bool begun_ = false;
   double last_ = 0.0, inertia_ = 1.0;
 };
 

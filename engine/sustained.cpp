@@ -133,20 +133,23 @@ double energy_of(const World& world, std::span<const BodyId> bodies) {
 }
 
 /// Accelerated passes over an island that is planned, as long as they converge quickly. If they do not solve it,
-/// they change nothing: direct solutions converge less often from where such passes have come to.
+/// they change nothing: direct solutions converge less often from where such passes have come to. They leave out no
+/// friction: one that goes on and off without end is no solution.
 void solve_quickly(const Island& s, Passes& done) {
   const Parameters& p = s.world.parameters;
+  const std::vector<BodyId>& bodies = s.rows.direct.bodies;
   RowsBefore& start = s.rows.start;
   start.loads.clear();
   for (const NormalRow& row : s.normals) start.loads.push_back(row.impulse);
   start.friction = s.rows.friction;
   start.states.clear();
-  for (const BodyId i : s.rows.direct.bodies) start.states.push_back(s.world.states[i]);
+  for (const BodyId i : bodies) start.states.push_back(s.world.states[i]);
+  for (FrictionRows& f : s.rows.friction) f.releases = -kQuickPasses;
   go_on(s, done, {std::min(kQuickPasses, p.solver_iterations), p.solver_residual, 1, true});
+  for (FrictionRows& f : s.rows.friction) f.releases = 0;
   if (done.solved) return;
   for (std::size_t k = 0; k < s.normals.size(); ++k) s.normals[k].impulse = start.loads[k];
   s.rows.friction = start.friction;
-  const std::vector<BodyId>& bodies = s.rows.direct.bodies;
   for (std::size_t k = 0; k < bodies.size(); ++k) s.world.states[bodies[k]] = start.states[k];
 }
 

@@ -247,7 +247,7 @@ struct Rows {
   std::vector<NormalRow> normals;
   std::vector<Block> blocks;
   std::vector<FrictionRows> friction;
-  std::vector<double> before, along;  ///< impulses: before a pass; search direction
+  std::vector<double> before, along;  ///< impulses: before a pass; see Acceleration
   Direct direct;
   RowsBefore start;
   std::vector<BodyId> bodies;                      ///< of an island that its passes did not solve
