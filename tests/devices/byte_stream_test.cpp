@@ -32,14 +32,16 @@ std::size_t put(ByteStream& stream, const std::string& text) {
 // What arrives until `count` bytes are there, or nothing came for two seconds.
 std::string get(ByteStream& stream, std::size_t count) {
   std::string heard;
-  while (heard.size() < count) {
+  int waited_ms = 0;
+  while (heard.size() < count && waited_ms < 2000) {
     std::array<std::uint8_t, 256> bytes{};
     const std::size_t n = stream.read(bytes);
     heard.append(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n));
-    if (n == 0) {
-      pollfd state{stream.descriptor(), POLLIN, 0};
-      if (stream.descriptor() < 0 || ::poll(&state, 1, 2000) != 1) break;
-    }
+    if (n > 0) waited_ms = 0;
+    if (n > 0) continue;
+    pollfd state{stream.descriptor(), POLLIN, 0};  // without a descriptor, nothing says when
+    const int wait_ms = state.fd < 0 ? 1 : 2000;
+    if (::poll(&state, 1, wait_ms) == 0) waited_ms += wait_ms;
   }
   return heard;
 }

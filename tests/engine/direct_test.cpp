@@ -58,14 +58,20 @@ TouchingGraph all_touch(std::uint32_t bodies) {
   return g;
 }
 
-TEST(DirectPlan, TakesAHundredBodiesOnEachOtherOrTenThatAllTouchAndNoMore) {
+TEST(DirectPlan, TakesAHundredBodiesOnEachOtherOrAFewThatAllTouchAndNoMore) {
   Direct d;
-  const auto planned = [&](TouchingGraph g) { return plan_direct(g.island(), d); };
-  EXPECT_TRUE(planned(tower(100)));
-  EXPECT_FALSE(planned(tower(101)));
-  EXPECT_TRUE(planned(all_touch(10)));
-  EXPECT_FALSE(planned(all_touch(11)));
-  EXPECT_TRUE(planned(tower(1)));
+  for (const int rules : {15, 16}) {
+    const auto planned = [&](TouchingGraph g) {
+      g.world.parameters.rules = rules;
+      return plan_direct(g.island(), d);
+    };
+    EXPECT_TRUE(planned(tower(100)));
+    EXPECT_FALSE(planned(tower(101)));
+    const std::uint32_t most = rules == 15 ? 10 : 5;  // a pile is no stack
+    EXPECT_TRUE(planned(all_touch(most)));
+    EXPECT_FALSE(planned(all_touch(most + 1)));
+    EXPECT_TRUE(planned(tower(1)));
+  }
 }
 
 /// Follows the plan in sets of neighbours: what is eliminated joins its neighbours to each other.
