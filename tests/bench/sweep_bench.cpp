@@ -26,6 +26,7 @@ using namespace headpin;
 namespace fs = std::filesystem;
 
 constexpr int kRounds = 5;
+const std::int64_t kTodaysRules = scene::Scenario{}.collision.rules;  // the trial has older ones
 constexpr double kSeconds = 5.0;  // of the game that the goal is of
 
 /// A grid of elasticity and friction.
@@ -51,9 +52,9 @@ double run_processes(const sweep::Rows& rows, const std::string& trial, std::int
   double size = 0.0;
   for (std::int64_t i = 0; i < rows.size(); i += every) {
     const sweep::Row row = rows.at(i);
-    const std::string command =
-        fmt::format("'{}' replay '{}' --json --elasticity {} --friction {} >/dev/null",
-                    HEADPIN_PROGRAM, trial, row.values[0], row.values[1]);
+    const std::string command = fmt::format(
+        "'{}' replay '{}' --json --elasticity {} --friction {} --set collision.rules={} >/dev/null",
+        HEADPIN_PROGRAM, trial, row.values[0], row.values[1], kTodaysRules);
     if (std::system(command.c_str()) != 0) throw std::runtime_error(command + " has failed");
     size += 1.0;
   }
@@ -118,7 +119,8 @@ void merge_a_million(const std::string& trial) {
 
 int main() {
   const std::string trial = HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog";
-  const std::vector<sweep::Trial> trials = {sweep::read_trial(trial)};
+  std::vector<sweep::Trial> trials = {sweep::read_trial(trial)};
+  trials[0].scenario.collision.rules = kTodaysRules;
   const sweep::Rows rows(design_of(trial), {trials[0].sha256});
   constexpr std::int64_t kEvery = 4;  // of the processes
   const sweep::Situation situation = situation_of(trials[0]);

@@ -99,12 +99,14 @@ TEST(ACardHouse, OfTwoStoreysStands) {
   expect_card_house_to_stand(kThorough ? 10.0 : 2.0);
 }
 
-// As exactly as the one of two storeys it cannot be solved in time: under rules 15 it fell after 16 s.
-TEST(ACardHouse, OfFourStoreysStands) {
-  Structure s = card_house_of(4, 240);
-  run(s, 20.0);
-  EXPECT_LE(moved(s), 5e-4);
-  EXPECT_EQ(s.sum.unsolved, 0);
+// These are crowds. At 120 Hz they fall within seconds where passes end at 2.5 % of what gravity adds, not at 1 %.
+TEST(ACardHouse, OfThreeOrFiveStoreysStands) {
+  for (const int storeys : {3, 5}) {
+    Structure s = card_house_of(storeys, 120);
+    run(s, 5.0);
+    EXPECT_LE(moved(s), 5e-4) << storeys;
+    EXPECT_EQ(s.sum.unsolved, 0) << storeys;
+  }
 }
 
 TEST(ArchAndCardHouse, StandForTenMinutes) {
