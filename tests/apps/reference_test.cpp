@@ -99,7 +99,7 @@ TEST_F(Reference, EveryJsonKeyIsTold) {
   take("experiment report --json study --mix -o study.html");
   take("experiment power --json --people 18 --studies 2");
   std::ofstream(folder_ / "sweep.toml") << "trials = ['throw.lcmlog']\n[grid]\n"
-                                            "room.width = [4, 2.2]\nlane.width = [1.05, 2.4]\n";
+                                           "room.width = [4, 2.2]\nlane.width = [1.05, 2.4]\n";
   take("sweep plan --json sweep.toml -o sweep --estimate");
   take("sweep run --json sweep");
   take("sweep status --json sweep");
