@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <limits>
+#include <utility>
 
 #include "engine/direct.h"
 #include "engine/inlining.h"
@@ -20,6 +22,7 @@ constexpr int kSoftPasses = 4;
 /// compliance.
 constexpr int kDirectRounds = 10;
 constexpr double kSoftest = 1e-3, kHardest = 1e-6;
+constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr int kQuick = 3;  // Newton's steps after which the next compliance may be smaller
 
 /// Accelerated passes before an island is solved directly, unless they converge slowly.
@@ -156,7 +159,8 @@ void solve_quickly(const Island& s, Passes& done) {
 /// Direct solutions of an island, until a pass finds it solved.
 [[gnu::noinline]] void solve_in_rounds(const Island& s, Passes& done) {
   const double residual = s.world.parameters.solver_residual;
-  double compliance = kSoftest;
+  const bool gives_up = speeds_up_first(s.world.parameters);
+  double compliance = kSoftest, last = kFar, before_last = kFar;
   for (int round = 0; round < kDirectRounds && !done.solved; ++round) {
     const int steps = solve_directly(s, s.rows.direct, compliance, residual);
     if (steps == 0) {
@@ -165,6 +169,9 @@ void solve_quickly(const Island& s, Passes& done) {
     }
     if (steps <= kQuick) compliance = std::max(kHardest, 0.1 * compliance);
     go_on(s, done, all_plain(1, residual));
+    // Where friction of a load that comes and goes has no solution, two rounds take turns.
+    if (gives_up && done.worst > 0.9 * before_last) return;
+    before_last = std::exchange(last, done.worst);
   }
 }
 
