@@ -229,5 +229,38 @@ class Replays(unittest.TestCase):
         self.assertEqual(child.communicate()[0], "stopped\n")
 
 
+class Tables(unittest.TestCase):
+    def test_a_masked_value_is_no_number(self):
+        friction = np.ma.array([0.1, 0.2], mask=[False, True])
+        for table in ({"friction": friction}, {"ball.home": np.ma.array([[1.5, 1, 0.85]], mask=[[0, 1, 0]])}):
+            with self.assertRaisesRegex(ValueError, "found a masked value"):
+                headpin.replay_many(support.DEMO, table)
+        result = headpin.replay_many(support.DEMO, {"friction": friction[:1]})
+        self.assertEqual((list(result["friction"]), list(result["error"])), ([0.1], [""]))
+
+    def test_an_array_without_an_axis_stands_for_all_rows(self):
+        expected = headpin.replay_many(support.DEMO, {"friction": [0.5], "shape": "true"})
+        for table in (
+            {"friction": np.array(0.5), "shape": "true"},
+            np.array((0.5, "true"), dtype=[("friction", "f8"), ("shape", "U9")]),
+        ):
+            result = headpin.replay_many(support.DEMO, table)
+            self.assertEqual(result["friction"].dtype, np.float64)
+            self.assertEqual(list(result["state_hash"]), list(expected["state_hash"]))
+
+    def test_of_another_kind_are_refused_by_their_row_or_key(self):
+        for table, words in (
+            ("friction", "row 0: expected a dict of keys and values, found 'f'"),
+            ([{"friction": 0.5}, 0.7], "row 1: expected a dict of keys and values, found 0.7"),
+            ({3: [0.5]}, "expected texts as keys, found 3"),
+        ):
+            with self.assertRaisesRegex(ValueError, words):
+                headpin.replay_many(support.DEMO, table)
+
+    def test_a_trial_may_be_named_in_bytes(self):
+        result = headpin.replay_many(os.fsencode(support.DEMO), {"friction": [0.5]})
+        self.assertEqual((list(result["trial"]), list(result["error"])), (["demo"], [""]))
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -1,5 +1,6 @@
 """A replay from Python is that of the command, to the bit."""
 
+import enum
 import errno
 import os
 import signal
@@ -10,6 +11,7 @@ import tomllib
 import unittest
 
 import headpin
+import numpy as np
 import support
 
 CONDITIONS = [
@@ -253,6 +255,29 @@ class Threads(unittest.TestCase):
             others_ran.append(True)
         thread.join()
         self.assertEqual(others_ran, [True])
+
+
+class Values(unittest.TestCase):
+    """Values of `set` that Python was ended by, or that had other words than their number."""
+
+    def test_that_hold_themselves_or_have_no_other_form_are_refused(self):
+        trial = headpin.Trial(support.DEMO)
+        endless = []
+        endless.append(endless)
+        with self.assertRaises(RecursionError):
+            trial.replay(set={"ball.home": endless})
+        for value in (np.longdouble(5), [np.longdouble(5)], np.array([5], dtype=np.longdouble)):
+            with self.assertRaisesRegex(TypeError, "expected a number, bool, text, list or dict, found .*longdouble"):
+                trial.replay(set={"ball.mass": value})
+
+    def test_of_an_enum_are_its_numbers(self):
+        mass = enum.IntEnum("Mass", {"HEAVY": 5})
+        trial = headpin.Trial(support.DEMO)
+        heavy, five = (trial.replay(set={"ball.mass": value}) for value in (mass.HEAVY, 5))
+        self.assertEqual(heavy.game_hash, five.game_hash)
+        result = headpin.replay_many(trial, {"ball.mass": [mass.HEAVY, 5]})
+        self.assertEqual(list(result["error"]), ["", ""])
+        self.assertEqual(*result["state_hash"])
 
 
 if __name__ == "__main__":

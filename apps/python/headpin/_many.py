@@ -33,6 +33,9 @@ def replay_many(trials, table, threads=0, progress=None):
     """
     trials = [trials] if _is_one(trials) else list(trials)
     keys, conditions = _conditions(table)
+    for key in keys:
+        if not isinstance(key, str):
+            raise ValueError(f"table: expected texts as keys, found {key!r}")
     line = _Line() if progress is None else None
     try:
         results = _headpin._replay_many(
@@ -53,12 +56,12 @@ def replay_many(trials, table, threads=0, progress=None):
 
 
 def _is_one(trials):
-    return isinstance(trials, (str, os.PathLike)) or hasattr(trials, "path")
+    return isinstance(trials, (str, bytes, os.PathLike)) or hasattr(trials, "path")
 
 
 def _path(trial, which):
     """The path of a trial; of a Trial, `path` is as it was named, `_file` is whole."""
-    return os.fspath(getattr(trial, which, getattr(trial, "path", trial)))
+    return os.fsdecode(getattr(trial, which, getattr(trial, "path", trial)))
 
 
 def _conditions(table):
@@ -71,6 +74,9 @@ def _conditions(table):
     if isinstance(table, dict):
         return list(table), _rows(table)
     rows = list(table)
+    for number, row in enumerate(rows):
+        if not hasattr(row, "keys"):
+            raise ValueError(f"table: row {number}: expected a dict of keys and values, found {row!r}")
     keys = list(rows[0]) if rows else []
     for number, row in enumerate(rows):
         if set(row) != set(keys):
@@ -91,18 +97,28 @@ def _rows(columns):
 
 
 def _is_column(values):
-    return hasattr(values, "__len__") and not isinstance(values, (str, bytes))
+    is_single = isinstance(values, (str, bytes)) or getattr(values, "ndim", 1) == 0
+    return hasattr(values, "__len__") and not is_single
 
 
 def _of_key(key, value):
     """A value as `headpin sweep` has it: of these keys a name, of all others in TOML."""
+    value = _plain(value)
     return value if key in ("shape", "response", "detection") and isinstance(value, str) else _text(value)
+
+
+def _plain(value):
+    """A single value of numpy as one of Python."""
+    if value is np.ma.masked:
+        raise ValueError("table: expected numbers, texts, truth values or lists of them, found a masked value")
+    if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0):
+        return value.item()
+    return value
 
 
 def _text(value):
     """A value in TOML."""
-    if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0):
-        value = value.item()
+    value = _plain(value)
     if isinstance(value, str):
         # TOML's and JSON's texts are written alike, but TOML takes no halves of a letter, and no U+007F.
         # A half that the text has itself stays one, which TOML refuses.
@@ -110,8 +126,8 @@ def _text(value):
         return text.encode("utf-8", "backslashreplace").decode()
     if isinstance(value, bool):
         return "true" if value else "false"
-    if isinstance(value, (int, float)):
-        return repr(value)
+    if isinstance(value, (int, float)):  # also an enum, which has other words for its number
+        return int.__repr__(value) if isinstance(value, int) else float.__repr__(value)
     if _is_column(value):
         return "[" + ", ".join(_text(one) for one in value) + "]"
     raise ValueError(f"table: expected numbers, texts, truth values or lists of them, found {value!r}")
