@@ -138,13 +138,17 @@ void add_engine(py::module_& module) {
   add_shapes(m);
   add_compounds(m);
   add_world(m);
-  m.def("closest_points", closest, "a"_a, "b"_a, "position"_a, "quaternion"_a = kNoTurn,
-        "margin"_a = 0.0,
-        "Whether two shapes are apart; or where, in which direction and how deep they meet.\n\n"
-        "position, quaternion: of the frame of b in the frame of a; so are all results.\n"
-        "margin: up to this gap the search goes on to the closest points [m].\n\n"
-        "Returns a dict: separated; distance, a gap or minus the depth [m]; point_a and point_b on "
-        "the surfaces;\nnormal from a to b; iterations, evaluations of the support functions.");
+  m.def(
+      "closest_points", closest, "a"_a, "b"_a, "position"_a, "quaternion"_a = kNoTurn,
+      "margin"_a = 0.0,
+      "Whether two shapes are apart; or where, in which direction and how deep they meet.\n\n"
+      "position, quaternion: of the frame of b in the frame of a; so are all results.\n"
+      "margin: up to this gap the search goes on to the closest points [m].\n\n"
+      "Returns a dict: separated; distance, a gap or minus the depth [m]; point_a and point_b on "
+      "the surfaces;\nnormal from a to b; iterations, evaluations of the support functions.\n"
+      "Of a gap beyond the margin, distance is only that of two planes across normal, which is the gap or "
+      "less, and the points\nare where those planes touch: margin=float('inf') gives the gap, to 1 %, and the closest "
+      "points of any pair.");
   for (const auto& [name, what] : py::dict(m.attr("__dict__"))) {
     if (py::isinstance<py::type>(what)) what.attr("__module__") = "headpin.engine";
   }

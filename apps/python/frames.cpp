@@ -233,7 +233,8 @@ py::object frames(const std::shared_ptr<OpenTrial>& trial, const py::object& num
   check(wanted);
   const bool one =
       py::hasattr(numbers, "__index__") && !py::hasattr(numbers, "__len__");  // no array
-  const auto all = one ? std::vector{argument<std::int64_t>("frames", numbers)}
+  const auto all = one || !py::hasattr(numbers, "__iter__")
+                       ? std::vector{argument<std::int64_t>("frames", numbers)}
                        : argument<std::vector<std::int64_t>>("frames", py::list(numbers));
   if (all.empty()) return py::list();
   std::map<std::int64_t, FramePtr> frames;

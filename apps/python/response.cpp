@@ -1,5 +1,6 @@
 #include "apps/python/response.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <stdexcept>
@@ -50,11 +51,20 @@ std::optional<std::uintptr_t> address_of(const py::object& law) {
 
 }  // namespace
 
+const engine::Response& sliding_named(const std::string& name) {
+  try {
+    return engine::response_named(name);
+  } catch (const std::invalid_argument& error) {
+    const std::string words = error.what();  // response: expected ...
+    throw std::invalid_argument("sliding" + words.substr(std::min(words.find(':'), words.size())));
+  }
+}
+
 std::shared_ptr<const engine::Response> own_response(const py::object& law,
                                                      const std::string& sliding) {
   engine::Response own;
   own.name = "custom";
-  own.sliding = engine::response_named(sliding).sliding;
+  own.sliding = sliding_named(sliding).sliding;
   own.keeps = "what its function keeps";
   if (const std::optional<std::uintptr_t> address = address_of(law)) {
     if (*address == 0) throw std::invalid_argument("response: the address of its function is 0");

@@ -8,6 +8,10 @@
 
 namespace headpin::python {
 
+/// The law whose sliding is used.
+/// @throws std::invalid_argument  for an unknown name
+const engine::Response& sliding_named(const std::string& name);
+
 /// A law of response of the caller's own, and how sliding continues at lasting contacts.
 ///
 /// @param law      a function (u, K, N, elasticity, friction) -> impulse; or an int, the address of

@@ -9,6 +9,7 @@
 #include <pybind11/stl.h>
 
 #include "apps/python/engine.h"
+#include "apps/python/values.h"
 #include "devices/log/sample_messages.h"
 
 namespace headpin::python {
@@ -86,7 +87,15 @@ struct Cells {
 
   template <typename T>
   T at(const char* name) const {
-    return row[py::str(name)].attr("item")().cast<T>();
+    const py::object found = row[py::str(name)].attr("item")();
+    try {
+      return found.cast<T>();
+    } catch (const py::cast_error&) {
+      PyErr_Clear();  // the words below are ours
+    }
+    throw std::invalid_argument(
+        std::string("sample: ") + name + ": expected " + std::string(name_of_type<T>()) +
+        " within the limits of a log, found " + py::repr(found).cast<std::string>());
   }
   bool has(const char* name) const { return row.attr("dtype").attr("names").contains(name); }
   Time time(const char* name) const {

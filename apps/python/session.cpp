@@ -84,8 +84,8 @@ std::unique_ptr<PySession> session_of(const py::object& scenario, const py::obje
   scene::Scenario read = scenario_of(scenario);
   if (py::isinstance<py::str>(response)) {
     scene::set(read, "collision.response='" + response.cast<std::string>() + "'", "response");
-    engine::response_named(sliding);  // throws for an unknown name, also where it is not used
   }
+  sliding_named(sliding);  // throws for an unknown name, also where it is not used
   auto made = std::make_unique<PySession>();
   made->session = scene::make_session(read);
   if (!response.is_none() && !py::isinstance<py::str>(response)) {

@@ -135,7 +135,7 @@ py::dict words_of_columns(std::string scene::TableColumn::*words) {
 std::shared_ptr<const engine::Response> take_own_response(py::kwargs& words) {
   std::optional<std::string> sliding;
   if (words.contains("sliding")) sliding = py::str(words.attr("pop")("sliding"));
-  if (sliding) engine::response_named(*sliding);  // throws for an unknown name
+  if (sliding) sliding_named(*sliding);  // throws for an unknown name
   const py::object law =
       words.contains("response") ? py::object(words["response"]) : py::object(py::none());
   if (law.is_none() || py::isinstance<py::str>(law)) {

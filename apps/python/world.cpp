@@ -230,7 +230,7 @@ std::unique_ptr<PyWorld> world_of(int rate_hz, const Vec3& gravity, const py::ob
   auto made = std::make_unique<PyWorld>();
   if (py::isinstance<py::str>(response)) {
     p.response = response_named(response.cast<std::string>()).name;
-    response_named(sliding);  // throws for an unknown name, also where it is not used
+    sliding_named(sliding);  // throws for an unknown name, also where it is not used
     made->world = make_world(p);
   } else {
     made->own = own_response(response, sliding);
@@ -385,7 +385,7 @@ void add_world_views(py::class_<PyWorld>& c) {
           "bodies.")
       .def_property_readonly("ledger", ledger,
                              "What each phase of the steps has added so far, where the ledger is "
-                             "kept: dict of balances.")
+                             "kept: dict of balances. Zeros where it is not.")
       .def_property_readonly(
           "state_hash", hash_of,
           "16 hexadecimal digits, of tick, poses, velocities and sleep. Equal runs "
@@ -415,7 +415,7 @@ void add_world(py::module_& m) {
       "is called for fast approaches; where it pulls, the step uses the inelastic smooth "
       "impulse.\nsliding: with such a law, paper or coulomb: how sliding continues at lasting "
       "contacts.\n"
-      "detection: converged, or paper with its cap on iterations, 5 to 20, and a warm start.\n"
+      "detection: converged, or paper with its cap on iterations, 1 to 1000 (the paper: 5 to 20), and a warm start.\n"
       "sleep: bodies at rest sleep. keep_ledger: `ledger` is kept, for a tenth of the time.\n"
       "threads: that share a step where hundreds of bodies are near each other; the bits are the same.");
   add_world_changes(world);

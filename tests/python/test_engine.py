@@ -166,7 +166,7 @@ class World(unittest.TestCase):
         for wrong, words in (
             (lambda: engine.World(rate_hz=0), "rate_hz|rate"),
             (lambda: engine.World(response="rubber"), "response: expected one of paper, coulomb"),
-            (lambda: engine.World(sliding="rubber"), "expected one of paper, coulomb, found 'rubber'"),
+            (lambda: engine.World(sliding="rubber"), "^sliding: expected one of paper, coulomb, found 'rubber'"),
             (lambda: engine.World(detection="none"), "detection: expected one of"),
             (lambda: engine.Body(engine.HalfSpace(), kind="solid"), "kind: expected one of"),
             (lambda: world.add(ball(elasticity=2.0)), "'ball': .*elasticity"),
@@ -320,6 +320,16 @@ class Shapes(unittest.TestCase):
         self.assertFalse(deep["separated"])
         self.assertAlmostEqual(deep["distance"], -0.05, places=9)
         np.testing.assert_allclose(deep["normal"], [1, 0, 0], atol=1e-9)
+
+    def test_beyond_the_margin_shapes_are_apart_by_their_gap_or_more_than_said(self):
+        a, b, turn = engine.Cylinder(0.1, 0.3), engine.Cylinder(0.2, 0.1), [np.cos(0.4), np.sin(0.4), 0, 0]
+        gap = engine.closest_points(a, b, [0.5, 0.7, 0.9], turn, margin=np.inf)
+        self.assertAlmostEqual(np.linalg.norm(gap["point_b"] - gap["point_a"]), gap["distance"], places=4)
+        said = engine.closest_points(a, b, [0.5, 0.7, 0.9], turn)
+        self.assertTrue(said["separated"])
+        self.assertLess(said["distance"], gap["distance"] - 0.01)
+        between_planes = said["normal"].dot(said["point_b"] - said["point_a"])
+        self.assertAlmostEqual(between_planes, said["distance"], places=9)
 
     def test_a_cylinder_weighs_what_geometry_says(self):
         radius, half, density = 0.06, 0.2, 700.0

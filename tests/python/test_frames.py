@@ -120,6 +120,9 @@ class Frames(unittest.TestCase):
             self.trial.frames(0, eye="middle")
         with self.assertRaisesRegex(ValueError, "look: expected one of standard, fast, 1997, found nice"):
             self.trial.frames(0, look="nice")
+        for number in (1.5, None):
+            with self.assertRaisesRegex(TypeError, f"frames: expected a whole number, found {number}"):
+                self.trial.frames(number)
 
 
 if __name__ == "__main__":

@@ -260,6 +260,17 @@ class OfAScenario(unittest.TestCase):
         session.step(trial.replay().summary["ticks"])
         self.assertEqual(session.game_hash, trial.replay().game_hash)
 
+    def test_refuses_tables_with_numbers_that_cannot_be_and_laws_of_sliding_that_are_none(self):
+        scenario = headpin.Trial(support.DEMO).scenario
+        session = headpin.Session(scenario)
+        wrong = headpin.Trial(support.DEMO).samples.copy()
+        wrong["station"][0] = 2**40
+        with self.assertRaisesRegex(ValueError, f"sample: station: expected a whole number .*found {2**40}"):
+            session.push(wrong)
+        for words in ({}, {"response": "coulomb"}, {"response": lambda *_: [0, 0, 0]}):
+            with self.assertRaisesRegex(ValueError, "^sliding: expected one of paper, coulomb, found 'honey'"):
+                headpin.Session(scenario, sliding="honey", **words)
+
 
 if __name__ == "__main__":
     unittest.main()
