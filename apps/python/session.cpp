@@ -96,8 +96,9 @@ std::unique_ptr<PySession> session_of(const py::object& scenario, const py::obje
 }
 
 void push(PySession& s, const py::object& what) {
-  s.get();
-  for (devices::Sample& sample : samples_of(what)) s.source.push(std::move(sample));
+  std::vector<devices::Sample> samples = samples_of(what);
+  s.get();  // only now: while Python reads the samples, another thread may have begun a step
+  for (devices::Sample& sample : samples) s.source.push(std::move(sample));
 }
 
 void make_ticks(PySession& s, std::int64_t count) {
@@ -144,7 +145,9 @@ py::array_t<BodyRow> bodies(PySession& s) {
 py::list events(PySession& s) {
   s.get();
   py::list all;
-  for (const scene::Event& e : s.events) {
+  const std::vector<scene::Event> made =
+      s.events;  // Python may make a step while it makes the list
+  for (const scene::Event& e : made) {
     all.append(py::dict("time_s"_a = nearest_seconds(e.time), "tick"_a = e.tick, "kind"_a = e.kind,
                         "bodies"_a = py::tuple(py::cast(e.bodies)), "x_m"_a = e.p_W.x(),
                         "y_m"_a = e.p_W.y(), "z_m"_a = e.p_W.z(), "impulse_x_ns"_a = e.j_W.x(),

@@ -241,7 +241,7 @@ std::unique_ptr<PyWorld> world_of(int rate_hz, const Vec3& gravity, const py::ob
 }
 
 py::dict statistics(PyWorld& w) {
-  const Statistics& s = w.get().statistics;
+  const Statistics s = w.get().statistics;  // a step may be made while Python makes the dict
   return py::dict("pairs"_a = s.pairs, "contacts"_a = s.contacts, "queries"_a = s.queries.queries,
                   "query_iterations"_a = s.queries.iterations,
                   "capped_queries"_a = s.queries.capped, "impacts"_a = s.impacts,
@@ -257,7 +257,7 @@ py::dict in_python(const Balance& b) {
 }
 
 py::dict ledger(PyWorld& w) {
-  const Ledger& l = w.get().ledger;
+  const Ledger l = w.get().ledger;
   return py::dict("gravity"_a = in_python(l.gravity), "hand"_a = in_python(l.hand),
                   "impact"_a = in_python(l.impact), "sustained"_a = in_python(l.sustained),
                   "correction"_a = in_python(l.correction));

@@ -1,10 +1,12 @@
 """headpin.Session: a session tick by tick, with the bits of the commands."""
 
 import csv
+import gc
 import os
 import pathlib
 import shutil
 import tempfile
+import threading
 import unittest
 
 import headpin
@@ -270,6 +272,66 @@ class OfAScenario(unittest.TestCase):
         for words in ({}, {"response": "coulomb"}, {"response": lambda *_: [0, 0, 0]}):
             with self.assertRaisesRegex(ValueError, "^sliding: expected one of paper, coulomb, found 'honey'"):
                 headpin.Session(scenario, sliding="honey", **words)
+
+
+class TwoThreads(unittest.TestCase):
+    def test_push_refuses_a_session_that_steps_since_its_samples_are_read(self):
+        inside, go_on = threading.Event(), threading.Event()
+
+        def waits(u, K, N, elasticity, friction):
+            inside.set()
+            go_on.wait(60)
+            return -u.dot(N) / N.dot(K @ N) * N
+
+        trial = headpin.Trial(support.DEMO)
+        session = headpin.Session(trial.scenario, response=waits)
+        session.push([trial.samples, trial.buttons])
+        thread = threading.Thread(target=session.step, args=(1200,))
+
+        class Rows:
+            """Rows of a table; another thread is in a step when they have been read."""
+
+            @property
+            def dtype(self):
+                if not inside.is_set():
+                    thread.start()
+                    inside.wait(60)
+                return trial.samples.dtype
+
+            def __array__(self):
+                return trial.samples[:1]
+
+        try:
+            with self.assertRaisesRegex(RuntimeError, "is making a step in another call"):
+                session.push(Rows())
+        finally:
+            go_on.set()
+            thread.join()
+        self.assertEqual(session.tick, 1200)
+
+    def test_events_are_those_of_the_call_also_when_a_step_is_made_meanwhile(self):
+        trial = headpin.Trial(support.DEMO)
+        session = headpin.Session(trial.scenario)
+        session.push([trial.samples, trial.buttons])
+        session.step(1682)
+        expected, stepped = session.events, []
+
+        def step(phase, _):
+            if phase == "start" and not stepped:
+                stepped.append(True)
+                session.step(1)
+
+        usual = gc.get_threshold()
+        self.addCleanup(gc.set_threshold, *usual)
+        gc.set_threshold(20)  # the collector comes in the middle of the list
+        gc.collect()
+        gc.callbacks.append(step)
+        try:
+            found = session.events
+        finally:
+            gc.callbacks.remove(step)
+        self.assertEqual(stepped, [True])
+        self.assertEqual(found, expected)
 
 
 if __name__ == "__main__":
