@@ -267,7 +267,7 @@ class Values(unittest.TestCase):
         with self.assertRaises(RecursionError):
             trial.replay(set={"ball.home": endless})
         for value in (np.longdouble(5), [np.longdouble(5)], np.array([5], dtype=np.longdouble)):
-            with self.assertRaisesRegex(TypeError, "expected a number, bool, text, list or dict, found .*longdouble"):
+            with self.assertRaisesRegex(TypeError, "expected a number, bool, text, list or dict, found .*numpy"):
                 trial.replay(set={"ball.mass": value})
 
     def test_of_an_enum_are_its_numbers(self):
