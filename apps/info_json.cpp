@@ -77,7 +77,8 @@ ordered_json result_json(const scene::TrialSummary& trial) {
   if (r.release_speed) out["release_speed_mps"] = *r.release_speed;
   if (r.impact_speed) out["impact_speed_mps"] = *r.impact_speed;
   out["approaches"] = scene::approaches_of(trial.events);
-  if (r.skittles_down == 0) out["why_nothing_fell"] = scene::why_nothing_fell(trial.events);
+  const std::string why = scene::why_nothing_fell(trial.events);
+  if (!why.empty()) out["why_nothing_fell"] = why;
   return out;
 }
 

@@ -140,9 +140,8 @@ void print_trial(const std::string& path, const scene::TrialSummary& trial,
     for (const std::string& approach : scene::approaches_in_words(trial.events)) {
       std::cout << "  " << shown(approach) << "\n";
     }
-    if (r.skittles_down == 0) {
-      std::cout << "  " << shown(scene::why_nothing_fell(trial.events)) << "\n";
-    }
+    const std::string why = scene::why_nothing_fell(trial.events);
+    if (!why.empty()) std::cout << "  " << shown(why) << "\n";
   }
   print_timings(timings);
   if (!trial.events.empty()) std::cout << "events\n";

@@ -52,11 +52,13 @@ std::string met_by_ball(const Event& event) {
 
 }  // namespace
 
+bool says_that_some_fell(const Event& event) {
+  if (event.kind == kind::delivery) return !event.bodies.empty() || skittles_in(event) > 0;
+  return event.kind == kind::skittle_down && event.detail.value_or(By::nobody) != By::hand;
+}
+
 std::string why_nothing_fell(std::span<const Event> events) {
-  const bool fell = std::ranges::any_of(events, [](const Event& e) {
-    return e.kind == kind::skittle_down && e.detail.value_or(By::nobody) != By::hand;
-  });
-  if (fell) return "";
+  if (std::ranges::any_of(events, says_that_some_fell)) return "";
   if (!first_of_ball(events, kind::grab)) return why_not_taken(events);
   const Event* release = first_of_ball(events, kind::release);
   if (!release) return "the ball was taken and never let go";

@@ -53,7 +53,7 @@ void Totals::tick(const Session& session) {
 
 void Totals::add(const Event& event, const Scenario& scenario) {
   score_.add(event, scenario);
-  fell_ |= event.kind == kind::skittle_down && event.detail.value_or(By::nobody) != By::hand;
+  fell_ |= says_that_some_fell(event);
   const bool kept = event.kind != kind::ball_touch || before_.size() < kMostTouches;
   if (!fell_ && kept && explains(event)) before_.push_back(event);
 }

@@ -477,5 +477,21 @@ TEST_F(TrialCommands, CompareShowsTheLastDigitOfACondition) {
   EXPECT_THAT(headpin("compare a.lcmlog b.lcmlog").out, HasSubstr(" 0.70001\n"));
 }
 
+// Under strong gravity skittles slide upright; and a ball that is not counted yet has felled some.
+TEST_F(TrialCommands, NothingIsSaidToHaveStoodWhereSkittlesFellOrCount) {
+  const std::string ten_pin = "replay " + kDemo + " --set game.rules=ten-pin ";
+  const nlohmann::json moved = json(ten_pin +
+                                    "--set game.ball_back_s=2.5 --set game.off_spot=0 "
+                                    "--set collision.gravity=400 --json");
+  EXPECT_GT(moved["skittles_down"], 0);
+  EXPECT_FALSE(moved.contains("why_nothing_fell")) << moved["why_nothing_fell"];
+
+  ASSERT_EQ(headpin(ten_pin + "-o uncounted.lcmlog").code, 0);
+  const nlohmann::json uncounted = json("info uncounted.lcmlog --json")["result"];
+  EXPECT_EQ(uncounted["skittles_down"], 0);
+  EXPECT_FALSE(uncounted.contains("why_nothing_fell"));
+  EXPECT_THAT(headpin("info uncounted.lcmlog").out, testing::Not(HasSubstr("\n  -\n")));
+}
+
 }  // namespace
 }  // namespace headpin

@@ -378,5 +378,15 @@ TEST(WhyNothingFell, IsAboutTheBallNotAboutASkittleInTheHand) {
             "the ball was released at 3.00 m/s and touched nothing until the end");
 }
 
+TEST(WhyNothingFell, IsNotSaidOfABallThatWasCountedForMovedSkittles) {
+  const Event grab = told(kind::grab, {"ball"}), release = told(kind::release, {"ball"}, 3.0),
+              contact = told(kind::first_contact, {"ball", "skittle 1"}, 2.0);
+  EXPECT_EQ(why({grab, release, contact, told(kind::delivery, {"skittle 1"}, 1.0)}), "");
+  EXPECT_EQ(why({grab, release, contact, told(kind::delivery, {"skittle 1"}, 0.0)}), "")
+      << "a foul";
+  EXPECT_EQ(why({grab, release, contact, told(kind::delivery)}),
+            "the ball met skittle 1 at 2.00 m/s, which did not fell it");
+}
+
 }  // namespace
 }  // namespace headpin::scene
