@@ -135,8 +135,9 @@ inline bool looks_often(const Parameters& p) {
 
 // Since rules 16: how lasting contacts are solved.
 
-/// An island gets accelerated passes before it is solved directly, and a crowd is solved when no velocity changes by
-/// more than a part of what its contacts change. The passes are accelerated otherwise.
+/// An island gets accelerated passes before it is solved directly, which is for stacks and not for piles, and ends
+/// where it comes no closer. A crowd in motion is solved to a part of what its contacts change. Passes are
+/// accelerated by another method.
 inline bool speeds_up_first(const Parameters& p) {
   return p.rules >= 16;
 }

@@ -169,7 +169,7 @@ void solve_quickly(const Island& s, Passes& done) {
     }
     if (steps <= kQuick) compliance = std::max(kHardest, 0.1 * compliance);
     go_on(s, done, all_plain(1, residual));
-    // Where friction of a load that comes and goes has no solution, two rounds take turns.
+    // Where friction and load switch each other on and off, two results take turns without end.
     if (gives_up && done.worst > 0.9 * before_last) return;
     before_last = std::exchange(last, done.worst);
   }
