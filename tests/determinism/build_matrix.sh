@@ -45,30 +45,52 @@ if [ "${1:-}" != --quick ]; then
 fi
 
 # The flags that carry the promise are those of base/CMakeLists.txt.
-make_one() {
-  local name=${1// /} source
-  local dir=$work/$name
+compile() {  # VARIANT ARGUMENT...
+  local variant=$1 own=()
+  shift
+  [[ $variant != em++* ]] || own=(-fwasm-exceptions)
+  # shellcheck disable=SC2086
+  $variant -std=c++20 -DNDEBUG -DEIGEN_DONT_VECTORIZE -I. $eigen "${own[@]}" \
+    -ffp-contract=off -fno-tree-vectorize -fno-tree-slp-vectorize "$@"
+}
+
+make_ready() {  # VARIANT
+  local dir=$work/${1// /}
   mkdir -p "$dir"
-  local own=() link=() run=()
+  echo '#include "base/math.h"' >"$dir/all.h"  # Eigen takes most of the time: read once
+  [[ $1 == em++* ]] || compile "$1" -x c++-header "$dir/all.h" -o "$dir/all.h.gch"
+}
+
+make_object() {  # VARIANT|SOURCE
+  local dir=$work/${1%|*} source=${1#*|}
+  dir=${dir// /}
+  compile "${1%|*}" -include "$dir/all.h" -c "$source" -o "$dir/$(basename "$source").o"
+}
+
+play() {  # VARIANT
+  local name=${1// /} link=() run=()
   case $1 in
     aarch64*) link=(-static) run=(qemu-aarch64) ;;
     riscv64*) link=(-static) run=(qemu-riscv64) ;;
-    em++*) own=(-fwasm-exceptions) link=(-fwasm-exceptions -s SINGLE_FILE=1) run=(node) ;;
+    em++*) link=(-fwasm-exceptions -s SINGLE_FILE=1) run=(node) ;;
   esac
-  # shellcheck disable=SC2206
-  local compile=($1 -std=c++20 -DNDEBUG -DEIGEN_DONT_VECTORIZE -I. $eigen "${own[@]}"
-    -ffp-contract=off -fno-tree-vectorize -fno-tree-slp-vectorize)
-  echo '#include "base/math.h"' >"$dir/all.h"  # Eigen takes most of the time: read once
-  [[ $1 == em++* ]] || "${compile[@]}" -x c++-header "$dir/all.h" -o "$dir/all.h.gch"
-  for source in base/math.cpp engine/*.cpp tests/support/bowling.cpp tests/determinism/state_hash.cpp; do
-    "${compile[@]}" -include "$dir/all.h" -c "$source" -o "$dir/$(basename "$source").o"
-  done
-  ${1%% *} "${link[@]}" "$dir"/*.o -o "$dir/state_hash.js"  # a script from em++ only
-  "${run[@]}" "$dir/state_hash.js" >"$work/$name.txt"
+  ${1%% *} "${link[@]}" "$work/$name"/*.o -o "$work/$name/state_hash.js"  # a script from em++ only
+  "${run[@]}" "$work/$name/state_hash.js" >"$work/$name.txt"
 }
-export -f make_one
+
+# each FUNCTION: calls it with each word that it reads, on all cores.
+each() { xargs -0 -P "$(nproc)" -I{} bash -euo pipefail -c "$1 \"{}\""; }
+
+export -f compile make_ready make_object play
 export work eigen
-printf '%s\0' "${variants[@]}" | xargs -0 -P "$(nproc)" -I{} bash -euo pipefail -c 'make_one "{}"'
+# What takes longest begins first.
+sources=(engine/sustained.cpp engine/non_colliding.cpp)
+for source in engine/*.cpp base/math.cpp tests/support/bowling.cpp tests/determinism/state_hash.cpp; do
+  [[ " ${sources[*]} " == *" $source "* ]] || sources+=("$source")
+done
+printf '%s\0' "${variants[@]}" | each make_ready
+for source in "${sources[@]}"; do printf "%s|$source\\0" "${variants[@]}"; done | each make_object
+printf '%s\0' "${variants[@]}" | each play
 
 for preset in "${presets[@]}"; do
   cmake --build "build/$preset" --target state_hash >"$work/$preset.log" || { cat "$work/$preset.log"; exit 1; }
