@@ -338,16 +338,16 @@ HEADPIN_ALSO_AVX HEADPIN_FLATTEN void solve_island(Island& s, Workspace& w) {
   Squeeze squeeze(s);
   add_rows(s);
   Passes done = solve_rows(s);
-  if (squeeze.is_found(done.solved)) {
+  const bool squeezed = squeeze.is_found(done.solved);
+  if (squeezed) {
     squeeze.yield();
     go_on(s, done, {p.solver_iterations, p.solver_residual});
-    if (!done.solved) take_back_gain(s, done);
-    squeeze.insist();
-  } else if (!done.solved) {
-    take_back_gain(s, done);
   }
-  keep(s);
+  if (!done.solved) take_back_gain(s, done);
+  // Driven bodies that yielded stand still here: they gave no energy.
   if (p.keep_ledger && !world.roll.driven.empty()) w.by_driven += given_by_driven(s);
+  if (squeezed) squeeze.insist();
+  keep(s);
   Statistics& sum = s.part.statistics;
   ++sum.islands;
   sum.solver_iterations += done.count;
