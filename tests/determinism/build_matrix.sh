@@ -48,7 +48,7 @@ fi
 compile() {  # VARIANT ARGUMENT...
   local variant=$1 own=()
   shift
-  [[ $variant != em++* ]] || own=(-fwasm-exceptions)
+  [[ $variant != em++* ]] || own=(-fwasm-exceptions -include cmake/older_library.h)  # as for the page
   # shellcheck disable=SC2086
   $variant -std=c++20 -DNDEBUG -DEIGEN_DONT_VECTORIZE -I. $eigen "${own[@]}" \
     -ffp-contract=off -fno-tree-vectorize -fno-tree-slp-vectorize "$@"
