@@ -123,6 +123,7 @@ Vec2 slip_of(const FrictionRows& f, const State& sa, const State& sb) {
   return slip;
 }
 
+/// @return largest change of a velocity [m/s]; twist and rolling change it at their arms
 template <Other other>
 double solve_friction(const Island& s, const Touch& touch, FrictionRows& f, double load) {
   const State &sa = s.bodies.states[touch.a], &sb = s.bodies.states[touch.b];
@@ -143,6 +144,8 @@ double solve_friction(const Island& s, const Touch& touch, FrictionRows& f, doub
   const Vec2 more = F - f.impulse;
   f.impulse = F;
   push_along<other>(s.bodies, touch, f, more);
+  double worst = more.norm() * s.bodies.mobility[touch.a].inv_mass;
+  const bool counts = counts_turning(s.world.parameters);
   const auto spin = [&] { return other == Other::still ? sa.w_WB : Vec3(sa.w_WB - sb.w_WB); };
   if (f.twist_mass > 0.0) {
     double twist = 0.0;
@@ -150,6 +153,7 @@ double solve_friction(const Island& s, const Touch& touch, FrictionRows& f, doub
       twist = f.twist - f.twist_mass * (f.n.dot(spin()) + f.twist_softness * f.twist);
       twist = std::clamp(twist, -most * f.reach, most * f.reach);
     }
+    if (counts) worst = std::max(worst, std::abs(twist - f.twist) / f.twist_mass * f.reach);
     twist_by<other>(s.bodies, touch, f, twist - f.twist);
     f.twist = twist;
   }
@@ -160,10 +164,11 @@ double solve_friction(const Island& s, const Touch& touch, FrictionRows& f, doub
       roll = f.roll - f.roll_mass * rolling_part(f, spin());
       if (const double much = roll.norm(); much > most_roll) roll *= most_roll / much;
     }
+    if (counts) worst = std::max(worst, (roll - f.roll).norm() / f.roll_mass * f.roll_arm);
     roll_by<other>(s.bodies, touch, roll - f.roll);
     f.roll = roll;
   }
-  return more.norm() * s.bodies.mobility[touch.a].inv_mass;
+  return worst;
 }
 
 template <Other other>

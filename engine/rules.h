@@ -142,6 +142,28 @@ inline bool speeds_up_first(const Parameters& p) {
   return p.rules >= 16;
 }
 
+// Since rules 17: lasting contacts that are carried, twisted or on each other.
+
+/// What a driven body carries has the speed of a throw without elasticity. Rounding makes no throw of it.
+inline bool rounds_throws(const Parameters& p) {
+  return p.rules >= 17;
+}
+
+/// A pass that changes twist or rolling has not solved an island either.
+inline bool counts_turning(const Parameters& p) {
+  return p.rules >= 17;
+}
+
+/// A crowd of slow bodies is solved more exactly than one in motion.
+inline bool keeps_crowds_standing(const Parameters& p) {
+  return p.rules >= 17;
+}
+
+/// Where a body becomes free or driven, friction of the last step keeps its direction.
+inline bool exchanges_sides(const Parameters& p) {
+  return p.rules >= 17;
+}
+
 /// The query with what older rules lack switched off.
 inline Query query_under(const Parameters& p) {
   Query query = p.query;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/passes.h"
 #include "engine/rules.h"
 #include "engine/sustained_rows.h"
 
@@ -31,13 +32,19 @@ class Squeeze {
   }
 
   /// Whether there is no solution, or a body gets more speed or energy than a throw would give it.
-  bool is_found(bool solved) const {
+  bool is_found(const Passes& done) const {
     if (pressing_.empty()) return false;
-    if (!solved) return true;
+    if (!done.solved) return true;
+    double most = most_, most_energy = most_energy_;
+    if (const Parameters& p = s_.world.parameters; rounds_throws(p)) {
+      const double error = 10.0 * p.solver_residual + 2.0 * done.worst;  // of passes
+      most += error;
+      most_energy = hoop_energy(std::sqrt(most_energy_) + error);
+    }
     for (const auto& [i, before] : pressed_) {
       const State& now = s_.world.states[i];
-      if (now.v_WB.norm() > most_) return true;
-      if (energy_per_mass(s_.world, i, now) > most_energy_) return true;
+      if (now.v_WB.norm() > most) return true;
+      if (energy_per_mass(s_.world, i, now) > most_energy) return true;
     }
     return false;
   }

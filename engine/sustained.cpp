@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "engine/direct.h"
+#include "engine/enough.h"
 #include "engine/inlining.h"
 #include "engine/islands.h"
 #include "engine/passes.h"
@@ -27,12 +28,6 @@ constexpr int kQuick = 3;  // Newton's steps after which the next compliance may
 
 /// Accelerated passes before an island is solved directly, unless they converge slowly.
 constexpr int kQuickPasses = 100;
-
-/// What is left is solved when no velocity changes by more than this part of what gravity adds in a
-/// step: an island that direct solutions did not solve better, and a crowd, which has none.
-constexpr double kNearly = 5e-4, kCrowd = 1e-2;
-/// For a crowd, plus this part of what its contacts change beyond what gravity adds.
-constexpr double kOfMore = 2.5e-2;
 
 /// Square of the cosine between normal and gravity from which a surface is level: within a quarter of a
 /// degree.
@@ -175,44 +170,6 @@ void solve_quickly(const Island& s, Passes& done) {
   }
 }
 
-/// How much contacts change the velocities of an island's bodies, root of the mean square [m/s].
-double change_by_contacts(const Island& s) {
-  std::vector<BodyId>& bodies = s.rows.bodies;
-  std::vector<Vec3>& pushed = s.rows.pushed;
-  list_bodies(s, bodies);
-  pushed.resize(s.world.bodies.size());
-  for (const BodyId i : bodies) pushed[i] = Vec3::Zero();
-  const auto push = [&](const Touch& touch, const Vec3& F) {
-    pushed[touch.a] += s.bodies.mobility[touch.a].inv_mass * F;
-    if (touch.b_moves) pushed[touch.b] -= s.bodies.mobility[touch.b].inv_mass * F;
-  };
-  for (const std::uint32_t k : s.each) {
-    const SolvedTouch& solved = s.solved[k];
-    for (std::uint32_t n = 0; n < solved.rows; ++n) {
-      const NormalRow& row = s.normals[solved.first_row + n];
-      push(s.touches[k], -row.impulse * row.n);
-    }
-  }
-  for (const FrictionRows& f : s.rows.friction) {
-    push(s.touches[f.touch], f.impulse[0] * f.t[0] + f.impulse[1] * f.t[1]);
-  }
-  double sum = 0.0;
-  for (const BodyId i : bodies) sum += pushed[i].squaredNorm();
-  return std::sqrt(sum / static_cast<double>(bodies.size()));
-}
-
-/// The change of a velocity in a pass at which what is left is solved [m/s].
-///
-/// @param planned  the island has been solved directly, but not as well as it should be
-double enough_for(const Island& s, bool planned) {
-  const Parameters& p = s.world.parameters;
-  const double falls = p.gravity_W.norm() * step_seconds(s.world);
-  if (planned) return std::max(p.solver_residual, kNearly * falls);
-  if (!speeds_up_first(p)) return std::max(p.solver_residual, kCrowd * falls);
-  const double more = std::max(0.0, change_by_contacts(s) - falls);
-  return std::max(p.solver_residual, kCrowd * falls + kOfMore * more);
-}
-
 /// A few plain passes, then accelerated ones as long as they converge quickly, then direct solutions. Where these
 /// fail, or are too expensive, more passes, which need not solve the island as well. What is not solved then gets
 /// softer friction.
@@ -338,12 +295,13 @@ HEADPIN_ALSO_AVX HEADPIN_FLATTEN void solve_island(Island& s, Workspace& w) {
   Squeeze squeeze(s);
   add_rows(s);
   Passes done = solve_rows(s);
-  const bool squeezed = squeeze.is_found(done.solved);
+  const bool squeezed = squeeze.is_found(done);
   if (squeezed) {
     squeeze.yield();
     go_on(s, done, {p.solver_iterations, p.solver_residual});
   }
-  if (!done.solved) take_back_gain(s, done);
+  const bool solved = done.solved;
+  if (!solved) take_back_gain(s, done);  // this solves it without a part of its friction
   // Driven bodies that yielded stand still here: they gave no energy.
   if (p.keep_ledger && !world.roll.driven.empty()) w.by_driven += given_by_driven(s);
   if (squeezed) squeeze.insist();
@@ -351,7 +309,7 @@ HEADPIN_ALSO_AVX HEADPIN_FLATTEN void solve_island(Island& s, Workspace& w) {
   Statistics& sum = s.part.statistics;
   ++sum.islands;
   sum.solver_iterations += done.count;
-  sum.unsolved += done.solved ? 0 : 1;
+  sum.unsolved += solved ? 0 : 1;
   sum.residual = std::max(sum.residual, done.worst);
 }
 

@@ -51,7 +51,7 @@ struct Parameters {
   double sleep_speed = 0.01;  ///< [m/s]
   double sleep_spin = 0.03;   ///< [rad/s]
   double sleep_after = 0.25;  ///< [s]
-  int rules = 16;             ///< 1 to 15 are those of older trials; what they lack is in rules.h
+  int rules = 17;             ///< 1 to 16 are those of older trials; what they lack is in rules.h
   bool keep_ledger = false;   ///< `World::ledger`; costs about a tenth of a step
   int threads = 1;            ///< that share a step of many bodies, 1 to kMostThreads; the bits are
                               ///< the same. They belong to the workspace: step() without one makes

@@ -222,7 +222,7 @@ void visit(V& v, Collision& c) {
   v.field("sleep", c.sleep, kAny,
           "sleeping: bodies at rest are not simulated until something touches them. Skittles begin "
           "asleep; without sleeping they stay awake from their first touch on");
-  v.field("rules", c.rules, Range{1, 16},
+  v.field("rules", c.rules, Range{1, 17},
           "rules of the simulation step and the game; see docs/rules.md");
 }
 

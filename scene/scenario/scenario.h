@@ -137,7 +137,7 @@ struct Collision {
   double friction_tau_s = 1.0 / 60.0;  ///< in which a lasting contact applies its friction once
   double gravity = 9.81;
   bool sleep = true;
-  std::int64_t rules = 16;  ///< of the step, see `engine::Parameters`
+  std::int64_t rules = 17;  ///< of the step, see `engine::Parameters`
 };
 
 struct Hand {

@@ -106,6 +106,14 @@ double deepest_overlap(const std::string& path, std::int64_t rules) {
   return deepest;
 }
 
+// Made in December 2026, under rules 16: the demo under the response coulomb, whose islands were solved where twist and
+// rolling were not yet.
+TEST(ATrialOfRules16, ComesToTheHashesOfItsTime) {
+  const std::string path = HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-16.lcmlog";
+  EXPECT_EQ(replayed(path), (Hashes{"3ef22827fc4e4778", "a708371e7d51f64e"}));
+  EXPECT_NE(replayed(path, 17).state, "3ef22827fc4e4778");
+}
+
 // Made in November 2026, under rules 15: the demo under the response coulomb, whose fallen pins were solved directly.
 TEST(ATrialOfRules15, ComesToTheHashesOfItsTime) {
   const std::string path = HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-15.lcmlog";

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "tests/support/bowling.h"
 #include "tests/support/random_shapes.h"
@@ -115,6 +116,26 @@ Structure card_house_of(int storeys, int rate_hz, int rules) {
     z += Cards::kThickness;
   }
   return cards.house();
+}
+
+Structure in_another_order(const Structure& s, std::uint32_t seed) {
+  Structure other{make_world(s.world.parameters)};
+  for (BodyId fixed = 0; fixed < s.bodies.front(); ++fixed) {
+    add_body(other.world, s.world.bodies[fixed], s.world.states[fixed]);
+  }
+  std::vector<std::size_t> order(s.bodies.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  Random random{seed};
+  for (std::size_t k = order.size() - 1; k > 0; --k) {
+    std::swap(
+        order[k],
+        order[static_cast<std::size_t>(random.uniform(0.0, 1.0) * static_cast<double>(k + 1))]);
+  }
+  for (const std::size_t k : order) {
+    const BodyId i = s.bodies[k];
+    put(other, s.world.bodies[i], s.world.states[i].X_WB);
+  }
+  return other;
 }
 
 Structure boxes_on_each_other(int count, int rate_hz, std::string_view response, int rules) {

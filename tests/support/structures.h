@@ -36,6 +36,9 @@ Structure card_house(int rate_hz, int rules = Parameters{}.rules);
 /// cards across between two storeys.
 Structure card_house_of(int storeys, int rate_hz, int rules = Parameters{}.rules);
 
+/// The same bodies, put into the world in another order.
+Structure in_another_order(const Structure& s, std::uint32_t seed);
+
 /// Boxes 0.2 m wide and 0.1 m high of 1 kg, each up to 5 mm beside the middle, friction 0.49.
 Structure boxes_on_each_other(int count, int rate_hz, std::string_view response,
                               int rules = Parameters{}.rules);
