@@ -54,7 +54,7 @@ sweep::ReleaseGrid grid_of(const WhatIfQuestion& question) {
   grid.speed = axis_of("--speed", question.speed, 0.1, 10.0);
   grid.direction_deg = axis_of("--direction", question.direction, -180.0, 180.0);
   grid.height = axis_of("--height", question.height, -2.0, 2.0);
-  grid.spin = axis_of("--spin", question.spin, -1000.0, 1000.0);
+  grid.spin = axis_of("--spin", question.spin.value_or(WhatIfQuestion::kSpin), -1000.0, 1000.0);
   grid.boards = axis_of("--board", question.board, -scene::kBoards, scene::kBoards);
   grid.revs = axis_of("--revs", question.revs, 0.0, 100.0);
   grid.rotation_deg = axis_of("--rotation", question.rotation, -180.0, 180.0);
@@ -137,6 +137,19 @@ const sweep::Situation& asked_throw(const ThrowsOfTrial& throws, const WhatIfQue
   throw std::runtime_error(
       fmt::format("{}: throw {} is lost under this condition: no ball is in the hand when it opens",
                   trial, question.number));
+}
+
+/// The added spin is about the direction of the throw, and a ball at rest has none.
+void require_direction(const WhatIfQuestion& question, const sweep::Situation& situation,
+                       sweep::ReleaseGrid& grid) {
+  if (situation.before->stage->scenario.release.speed > 0.0) return;
+  if (question.spin && std::ranges::any_of(grid.spin, [](double spin) { return spin != 0.0; })) {
+    throw UsageError(
+        fmt::format("--spin: expected 0 with release.speed 0, because a ball at rest has no "
+                    "direction to spin about; found {}",
+                    *question.spin));
+  }
+  grid.spin = {0.0};
 }
 
 /// Simulates with all jobs and shows the progress.
@@ -255,6 +268,7 @@ sweep::WhatIf ask_what_if(const WhatIfQuestion& question, std::string_view comma
     if (t == 0) throws = std::move(of_trial);
   }
   const sweep::Situation& situation = asked_throw(throws, question);
+  require_direction(question, situation, whatif.grid);
   if (question.costs) whatif.in_costs = throws_with_velocity(whatif);
   whatif.trial = whatif.own.front().trial;
   whatif.number = question.number;

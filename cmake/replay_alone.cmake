@@ -44,7 +44,7 @@ set(parts
   scene/play/presence scene/play/referee scene/play/release scene/play/run scene/play/score
   scene/play/session scene/play/track_flare scene/play/tracking scene/play/walk scene/scenario/files scene/scenario/keys
   scene/scenario/nearest scene/scenario/rules scene/scenario/scenario scene/scenario/text
-  scene/scenario/toml_reading scene/scenario/toml_text scene/scenario/units scene/stage/bodies scene/stage/oil_table scene/stage/outline scene/stage/read_scenario scene/stage/room
+  scene/scenario/toml_reading scene/scenario/toml_text scene/scenario/units scene/stage/bodies scene/stage/chosen_checks scene/stage/oil_table scene/stage/outline scene/stage/read_scenario scene/stage/room
   scene/stage/scenario_checks scene/stage/seen_mesh scene/stage/stage scene/watch/recorded
   scene/watch/totals scene/watch/verifier)
 list(TRANSFORM parts PREPEND ${HEADPIN_ROOT}/)

@@ -94,7 +94,7 @@ void add_whatif(CLI::App& app) {
       ->add_option("--spin", question.spin,
                    "added spin about the level direction of the throw [rad/s]; positive curves "
                    "to the right")
-      ->capture_default_str();
+      ->default_str(WhatIfQuestion::kSpin);
   command->add_option("--board", question.board, "boards to the left")->capture_default_str();
   command->add_option("--revs", question.revs, "factors of the spin, before --spin is added")
       ->capture_default_str();

@@ -338,7 +338,7 @@ void visit(V& v, ReleaseChange& r) {
           "turn of the axis of its spin to the left, seen from above: more axis rotation");
   v.field("spin", r.spin, Range{-1000, 1000},
           "spin about the level direction of the throw that is then added [rad/s]; with friction, "
-          "the ball curves to the right");
+          "the ball curves to the right; 0 with speed 0, because a ball at rest has no direction");
 }
 
 template <typename V>

@@ -13,6 +13,7 @@
 #include "scene/scenario/files.h"
 #include "scene/scenario/text.h"
 #include "scene/scenario/toml_text.h"
+#include "scene/stage/chosen_checks.h"
 #include "scene/stage/mesh_measure.h"
 #include "scene/stage/outline.h"
 #include "scene/stage/scenario_checks.h"
@@ -168,11 +169,8 @@ void complete(Scenario& scenario, ScenarioText& text, const Scenario& before = {
 
 /// Checks a scenario that a text changed.
 void check(const Scenario& scenario, const ScenarioText& text) {
-  const Lines lines = text.one_line ? Lines{} : text.lines;
-  check(scenario, text.where, lines);
-  if (!text.whole && (text.names("rig") || text.names("game"))) {
-    check_chosen(scenario, text.where, lines);
-  }
+  check(scenario, text.where, text.one_line ? Lines{} : text.lines);
+  if (!text.whole) check_chosen(scenario, text);
 }
 
 /// Completes a scenario after an assignment; whether it then fits together.

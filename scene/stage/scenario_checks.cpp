@@ -5,11 +5,11 @@
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "scene/scenario/rules.h"
 #include "scene/stage/bodies.h"
 #include "scene/stage/room.h"
 
@@ -59,43 +59,17 @@ class Checker {
     if (s_.version.buttons) check_buttons();
   }
 
-  void check_chosen() const {
-    check_rig();
-    check_rules();
-  }
-
  private:
   /// @param others  keys with which it does not agree; the user may have set one of them instead
   [[noreturn]] void refuse(const std::string& key, const std::string& what,
                            std::vector<std::string> others = {}) const {
-    others.insert(others.begin(), {key, array_of(key)});
-    throw std::invalid_argument(
-        fmt::format("{}: {} {}", place(where_, lines_, others), array_of(key), what));
+    refuse_key(where_, lines_, key, what, std::move(others));
   }
 
   void check_rates() const {
     if (s_.rates.physics_hz % 120 != 0) {
       refuse("rates.physics_hz",
              fmt::format("must be a multiple of 120, found {}", s_.rates.physics_hz));
-    }
-  }
-
-  void check_rig() const {
-    if (s_.rig.head_station == s_.rig.hand_station) {
-      refuse("rig.hand_station",
-             fmt::format("must be another than rig.head_station, found {} for both",
-                         s_.rig.hand_station),
-             {"rig.head_station"});
-    }
-  }
-
-  void check_rules() const {
-    const GameRules& game = s_.game;
-    if (rules_of(game.rules).bonuses && game.balls > 2) {
-      refuse("game.balls",
-             fmt::format("must be 1 or 2 with game.rules \"{}\", found {}", name_of(game.rules),
-                         game.balls),
-             {"game.rules"});
     }
   }
 
@@ -489,8 +463,11 @@ void check(const Scenario& scenario, std::string_view where, const Lines& lines)
   Checker(scenario, where, lines).check_all();
 }
 
-void check_chosen(const Scenario& scenario, std::string_view where, const Lines& lines) {
-  Checker(scenario, where, lines).check_chosen();
+void refuse_key(std::string_view where, const Lines& lines, const std::string& key,
+                const std::string& what, std::vector<std::string> others) {
+  others.insert(others.begin(), {key, array_of(key)});
+  throw std::invalid_argument(
+      fmt::format("{}: {} {}", place(where, lines, others), array_of(key), what));
 }
 
 }  // namespace headpin::scene

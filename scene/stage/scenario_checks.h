@@ -1,6 +1,8 @@
 #pragma once
 
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "scene/scenario/text.h"
 
@@ -12,8 +14,12 @@ namespace headpin::scene {
 /// @throws std::invalid_argument  naming text, line, key, what was found and what is allowed
 void check(const Scenario& scenario, std::string_view where, const Lines& lines);
 
-/// Further checks that are not made for trials, because old trials may have such values: one
-/// station for head and hand, bonuses for frames of more than two balls.
-void check_chosen(const Scenario& scenario, std::string_view where, const Lines& lines);
+/// Refuses a scenario for the value of a key.
+///
+/// @param what    what is allowed and what was found: "must be 0 to 1, found 2"
+/// @param others  keys with which it does not agree; the user may have set one of them instead
+/// @throws std::invalid_argument  always, naming the line of the first of these keys that has one
+[[noreturn]] void refuse_key(std::string_view where, const Lines& lines, const std::string& key,
+                             const std::string& what, std::vector<std::string> others = {});
 
 }  // namespace headpin::scene

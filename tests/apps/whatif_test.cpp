@@ -208,6 +208,18 @@ TEST_F(WhatIfCommand, RefusesWhatCannotBe) {
   expect_refusal(demo + "--set rig.hand_station=3", 1, "demo.lcmlog: has no throw; expected");
 }
 
+// The added spin is about the direction of the throw.
+TEST_F(WhatIfCommand, ABallAtRestHasNoDirectionToSpinAbout) {
+  const std::string at_rest = "whatif '" + kDemo +
+                              "' -o OUT --within 0 --speed 1 --direction 0 --height 0 "
+                              "--set release.speed=0 ";
+  expect_refusal(at_rest + "--spin 0:5:2", 2,
+                 "--spin: expected 0 with release.speed 0, because a ball at rest has no direction "
+                 "to spin about; found 0:5:2");
+  EXPECT_EQ(json(at_rest + "--spin 0 --json")["grid_releases"], 1);
+  EXPECT_EQ(json(at_rest + "--force --json")["grid_releases"], 1);  // not -10, 0 and 10
+}
+
 TEST_F(WhatIfCommand, ReplacesOnlyItsOwn) {
   const std::string ask = "whatif '" + kDemo + "' --within 0 -o w" + kOne;
   ASSERT_EQ(headpin(ask).code, 0);
