@@ -22,6 +22,7 @@ class ChosenChecker {
     if (text_.names("rig")) check_rig();
     if (text_.names("game")) check_rules();
     if (text_.names("release")) check_release();
+    if (text_.names("hmd")) check_picture();
   }
 
  private:
@@ -57,6 +58,23 @@ class ChosenChecker {
                        "to spin about; found {}",
                        s_.release.spin),
            {"release.speed"});
+  }
+
+  /// Each edge of an eye's picture may be near its axis, but not two opposite ones.
+  void check_picture() const {
+    constexpr double kNarrowest = 1.0;  // as for the fields of view [degrees]
+    constexpr double kRounding = 1e-9;
+    const auto check = [&](const std::string& key, double edge, const std::string& other_key,
+                           double other_edge, const std::string& both) {
+      if (edge + other_edge >= kNarrowest - kRounding) return;
+      refuse(key,
+             fmt::format("must be {} degree or more together with {}, found {} and {}", kNarrowest,
+                         other_key, edge, other_edge),
+             {other_key, both});
+    };
+    const render::Edges deg = s_.hmd.optics.edges_deg();
+    check("hmd.outer_deg", deg.outer, "hmd.inner_deg", deg.inner, "hmd.horizontal_fov_deg");
+    check("hmd.up_deg", deg.up, "hmd.down_deg", deg.down, "hmd.vertical_fov_deg");
   }
 
   const Scenario& s_;

@@ -35,15 +35,33 @@ TEST(ChosenCheck, TogetherSpeedAndSpinFit) {
   EXPECT_EQ(scenario.release.spin, 0.0);
 }
 
+TEST(ChosenCheck, APictureIsADegreeWideAndHigh) {
+  EXPECT_EQ(refusal("[hmd]\nouter_deg = 0.25\ninner_deg = 0.5"),
+            "lane.toml:2: hmd.outer_deg must be 1 degree or more together with hmd.inner_deg, "
+            "found 0.25 and 0.5");
+  EXPECT_EQ(refusal("[hmd]\nup_deg = 1e-9\ndown_deg = 1e-9"),
+            "lane.toml:2: hmd.up_deg must be 1 degree or more together with hmd.down_deg, found "
+            "1e-09 and 1e-09");
+  EXPECT_EQ(refusal("[hmd]\nouter_deg = 0.58\ninner_deg = 0.42\nup_deg = 0.9\ndown_deg = 0.1"), "");
+  EXPECT_EQ(refusal("[hmd]\nouter_deg = 1e-9\nup_deg = 1e-9"), "");  // half of the field is left
+  // An edge that is not given is at half of the field of view.
+  EXPECT_EQ(refusal("[hmd]\nhorizontal_fov_deg = 1\nvertical_fov_deg = 1"), "");
+  EXPECT_EQ(refusal("[hmd]\nvertical_fov_deg = 1\ndown_deg = 0.25"),
+            "lane.toml:3: hmd.up_deg must be 1 degree or more together with hmd.down_deg, found "
+            "0.5 and 0.25");
+}
+
 // What is refused today was recorded once, and must replay, also with another value elsewhere.
 TEST(ChosenCheck, ATrialMayHaveRunUnderAnyOfIt) {
   Scenario old;
   old.release.speed = 0.0;
   old.release.spin = 5.0;
+  old.hmd.optics.up_deg = old.hmd.optics.down_deg = 0.25;
   Scenario read = scenario_of_trial(to_toml(old), "old.lcmlog");
   EXPECT_EQ(read.release.spin, 5.0);
   set(read, "ball.mass=5");
   EXPECT_THAT(complaint([&] { set(read, "release.height=0.1"); }), HasSubstr("release.spin must"));
+  EXPECT_THAT(complaint([&] { set(read, "hmd.width=100"); }), HasSubstr("hmd.up_deg must"));
   set(read, "release.spin=0");
   EXPECT_EQ(read.release.spin, 0.0);
 }
