@@ -23,6 +23,7 @@ class ChosenChecker {
     if (text_.names("game")) check_rules();
     if (text_.names("release")) check_release();
     if (text_.names("hmd")) check_picture();
+    if (s_.version.buttons && (text_.names("version") || text_.names("room"))) check_ceiling();
   }
 
  private:
@@ -75,6 +76,18 @@ class ChosenChecker {
     const render::Edges deg = s_.hmd.optics.edges_deg();
     check("hmd.outer_deg", deg.outer, "hmd.inner_deg", deg.inner, "hmd.horizontal_fov_deg");
     check("hmd.up_deg", deg.up, "hmd.down_deg", deg.down, "hmd.vertical_fov_deg");
+  }
+
+  void check_ceiling() const {
+    const double highest = s_.room.height - s_.version.radius;
+    for (const auto& [key, z] : {std::pair{"version.red.button", s_.version.red.button.z()},
+                                 std::pair{"version.blue.button", s_.version.blue.button.z()}}) {
+      if (z <= highest) continue;
+      refuse(key,
+             fmt::format("must be below the ceiling at room.height: z at most {:.4g}, found {:.4g}",
+                         highest, z),
+             {"room.height", "version.radius"});
+    }
   }
 
   const Scenario& s_;

@@ -1,5 +1,8 @@
 // What is refused where a person chooses it, though a trial may have run under it.
 
+#include <string>
+
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -51,17 +54,47 @@ TEST(ChosenCheck, APictureIsADegreeWideAndHigh) {
             "0.5 and 0.25");
 }
 
+/// A scenario with buttons at these heights.
+std::string buttons_at(double red, double blue, double room) {
+  return fmt::format(
+      "[version]\nbuttons = true\nradius = 0.1\n"
+      "[version.red]\nelasticity = 1\nfriction = 1\nbutton = [-0.55, 0, {}]\n"
+      "[version.blue]\nelasticity = 1\nfriction = 1\nbutton = [-0.85, 0, {}]\n"
+      "[room]\nheight = {}\n[ball]\nhome = [0, 1, 0.5]",
+      red, blue, room);
+}
+
+TEST(ChosenCheck, ButtonsAreBelowTheCeiling) {
+  EXPECT_EQ(refusal(buttons_at(1.5, 1.1, 1.25)),
+            "lane.toml:7: version.red.button must be below the ceiling at room.height: z at most "
+            "1.15, found 1.5");
+  EXPECT_EQ(refusal(buttons_at(1.1, 1.2, 1.25)),
+            "lane.toml:11: version.blue.button must be below the ceiling at room.height: z at most "
+            "1.15, found 1.2");
+  EXPECT_EQ(refusal(buttons_at(1.1, 1.15, 1.25)), "");
+  // They are there only if the scenario has buttons.
+  EXPECT_EQ(refusal("[version.red]\nbutton = [-0.55, 0, 50]\n"), "");
+}
+
+TEST(ChosenCheck, ALowerRoomIsRefusedAtItsOwnKey) {
+  Scenario scenario = parse_scenario(buttons_at(1.1, 1.1, 2.5), "lane.toml");
+  EXPECT_THAT(complaint([&] { set(scenario, "room.height=1"); }),
+              HasSubstr("room.height=1: version.red.button must be below the ceiling"));
+}
+
 // What is refused today was recorded once, and must replay, also with another value elsewhere.
 TEST(ChosenCheck, ATrialMayHaveRunUnderAnyOfIt) {
-  Scenario old;
+  Scenario old = parse_scenario(buttons_at(1.1, 1.1, 2.5), "lane.toml");
   old.release.speed = 0.0;
   old.release.spin = 5.0;
   old.hmd.optics.up_deg = old.hmd.optics.down_deg = 0.25;
+  old.room.height = 1.0;
   Scenario read = scenario_of_trial(to_toml(old), "old.lcmlog");
   EXPECT_EQ(read.release.spin, 5.0);
   set(read, "ball.mass=5");
   EXPECT_THAT(complaint([&] { set(read, "release.height=0.1"); }), HasSubstr("release.spin must"));
   EXPECT_THAT(complaint([&] { set(read, "hmd.width=100"); }), HasSubstr("hmd.up_deg must"));
+  EXPECT_THAT(complaint([&] { set(read, "room.width=5"); }), HasSubstr("version.red.button must"));
   set(read, "release.spin=0");
   EXPECT_EQ(read.release.spin, 0.0);
 }
