@@ -49,8 +49,7 @@ std::optional<std::uintptr_t> address_of(const py::object& law) {
   return std::nullopt;
 }
 
-}  // namespace
-
+/// The law whose sliding is used.
 const engine::Response& sliding_named(const std::string& name) {
   try {
     return engine::response_named(name);
@@ -60,11 +59,19 @@ const engine::Response& sliding_named(const std::string& name) {
   }
 }
 
+}  // namespace
+
 std::shared_ptr<const engine::Response> own_response(const py::object& law,
-                                                     const std::string& sliding) {
+                                                     const std::optional<std::string>& sliding) {
   engine::Response own;
   own.name = "custom";
-  own.sliding = sliding_named(sliding).sliding;
+  own.sliding = sliding_named(sliding.value_or("paper")).sliding;
+  if (law.is_none() || py::isinstance<py::str>(law)) {
+    if (!sliding) return nullptr;
+    throw std::invalid_argument(
+        "sliding: expected a law of response of your own beside it, found response=" +
+        py::repr(law).cast<std::string>() + "; a named response has its own sliding");
+  }
   own.keeps = "what its function keeps";
   if (const std::optional<std::uintptr_t> address = address_of(law)) {
     if (*address == 0) throw std::invalid_argument("response: the address of its function is 0");

@@ -80,18 +80,15 @@ scene::Scenario scenario_of(const py::object& given) {
 }
 
 std::unique_ptr<PySession> session_of(const py::object& scenario, const py::object& response,
-                                      const std::string& sliding) {
+                                      const std::optional<std::string>& sliding) {
   scene::Scenario read = scenario_of(scenario);
   if (py::isinstance<py::str>(response)) {
     scene::set(read, "collision.response='" + response.cast<std::string>() + "'", "response");
   }
-  sliding_named(sliding);  // throws for an unknown name, also where it is not used
   auto made = std::make_unique<PySession>();
+  made->own = own_response(response, sliding);
   made->session = scene::make_session(read);
-  if (!response.is_none() && !py::isinstance<py::str>(response)) {
-    made->own = own_response(response, sliding);
-    scene::set_response(made->session, *made->own);
-  }
+  if (made->own) scene::set_response(made->session, *made->own);
   return made;
 }
 
@@ -222,13 +219,12 @@ void add_session(py::module_& module) {
   session
       .def(
           py::init(&session_of), "scenario"_a, py::kw_only(), "response"_a = py::none(),
-          "sliding"_a = "paper",
+          "sliding"_a = py::none(),
           "scenario: a path, the name of a bundled scenario, or the text of one (TOML). A text with "
           "= that names a file is its path.\n"
           "response: None, the scenario's; paper, coulomb; or a law of one's own, as for "
-          "headpin.engine.World.\nsliding: with such a law, paper or coulomb: how sliding "
-          "continues "
-          "at lasting contacts.")
+          "headpin.engine.World.\nsliding: only with such a law, paper (as without it) or coulomb: "
+          "how sliding continues at lasting contacts.")
       .def(
           "push", push, "sample"_a,
           "Hands samples to the session: a TrackerSample, a MouseSample, a list of them, or rows "

@@ -134,19 +134,13 @@ py::dict words_of_columns(std::string scene::TableColumn::*words) {
 /// Takes a law of response of the caller's own out of keyword arguments.
 std::shared_ptr<const engine::Response> take_own_response(py::kwargs& words) {
   std::optional<std::string> sliding;
-  if (words.contains("sliding")) sliding = py::str(words.attr("pop")("sliding"));
-  if (sliding) sliding_named(*sliding);  // throws for an unknown name
+  const py::object given = words.attr("pop")("sliding", py::none());
+  if (!given.is_none()) sliding = py::str(given);
   const py::object law =
       words.contains("response") ? py::object(words["response"]) : py::object(py::none());
-  if (law.is_none() || py::isinstance<py::str>(law)) {
-    if (!sliding) return nullptr;
-    throw std::invalid_argument(fmt::format(
-        "sliding: expected a law of response of your own beside it, found response={}; a named "
-        "response has its own sliding",
-        std::string(py::repr(law))));
-  }
-  words.attr("pop")("response");
-  return own_response(law, sliding.value_or("paper"));
+  auto own = own_response(law, sliding);
+  if (own) words.attr("pop")("response");
+  return own;
 }
 
 std::unique_ptr<Replay> replay_of(const Trial& trial, py::kwargs words) {

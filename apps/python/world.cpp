@@ -210,8 +210,9 @@ void make_steps(PyWorld& w, std::int64_t count) {
 }
 
 std::unique_ptr<PyWorld> world_of(int rate_hz, const Vec3& gravity, const py::object& response,
-                                  const std::string& sliding, const std::string& detection, int cap,
-                                  bool warm, bool sleep, bool ledger, int threads) {
+                                  const std::optional<std::string>& sliding,
+                                  const std::string& detection, int cap, bool warm, bool sleep,
+                                  bool ledger, int threads) {
   Parameters p;
   p.rate_hz = rate_hz;
   p.gravity_W = gravity;
@@ -230,13 +231,12 @@ std::unique_ptr<PyWorld> world_of(int rate_hz, const Vec3& gravity, const py::ob
   auto made = std::make_unique<PyWorld>();
   if (py::isinstance<py::str>(response)) {
     p.response = response_named(response.cast<std::string>()).name;
-    sliding_named(sliding);  // throws for an unknown name, also where it is not used
-    made->world = make_world(p);
-  } else {
-    made->own = own_response(response, sliding);
-    made->world = make_world(p);
-    set_response(made->world, *made->own);
+  } else if (response.is_none()) {
+    throw std::invalid_argument("response: expected a name or a law, found None");
   }
+  made->own = own_response(response, sliding);
+  made->world = make_world(p);
+  if (made->own) set_response(made->world, *made->own);
   return made;
 }
 
@@ -403,7 +403,7 @@ void add_world(py::module_& m) {
   py::class_<PyWorld> world(m, "World", "Bodies, their states, and what the next step needs.");
   world.def(
       py::init(&world_of), py::kw_only(), "rate_hz"_a = p.rate_hz, "gravity"_a = p.gravity_W,
-      "response"_a = "paper", "sliding"_a = "paper", "detection"_a = "converged",
+      "response"_a = "paper", "sliding"_a = py::none(), "detection"_a = "converged",
       "cap"_a = p.query.cap, "warm"_a = p.query.warm, "sleep"_a = p.sleep,
       "keep_ledger"_a = p.keep_ledger, "threads"_a = p.threads,
       "An empty world.\n\nrate_hz: steps a second. gravity: (3,) [m/s^2].\n"
@@ -413,8 +413,8 @@ void add_world(py::module_& m) {
       "impulse[3])`. N is the unit normal from A to B, u the velocity\n  of A's point minus that "
       "of B's before [m/s], K gives u' = u + K F [1/kg], and F is the impulse on A [N s].\n  It "
       "is called for fast approaches; where it pulls, the step uses the inelastic smooth "
-      "impulse.\nsliding: with such a law, paper or coulomb: how sliding continues at lasting "
-      "contacts.\n"
+      "impulse.\nsliding: only with such a law, paper (as without it) or coulomb: how sliding "
+      "continues at lasting contacts.\n"
       "detection: converged, or paper with its cap on iterations, 1 to 1000 (the paper: 5 to 20), and a warm start.\n"
       "sleep: bodies at rest sleep. keep_ledger: `ledger` is kept, for a tenth of the time.\n"
       "threads: that share a step where hundreds of bodies are near each other; the bits are the same.");

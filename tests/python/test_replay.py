@@ -67,6 +67,7 @@ class Replay(unittest.TestCase):
         for words in ({}, {"response": "paper"}, {"response": None}):
             with self.assertRaisesRegex(ValueError, "^sliding: expected a law of response of your own"):
                 trial.replay(sliding="coulomb", **words)
+        self.assertEqual(trial.replay(sliding=None).game_hash, trial.replay().game_hash)
         with self.assertRaisesRegex(TypeError, "^friction: expected a number, found True"):
             trial.replay(friction=True)
         with self.assertRaisesRegex(TypeError, "^iterations: expected a whole number, found False"):

@@ -273,6 +273,14 @@ class OfAScenario(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "^sliding: expected one of paper, coulomb, found 'honey'"):
                 headpin.Session(scenario, sliding="honey", **words)
 
+    def test_refuses_a_law_of_sliding_beside_a_law_that_has_its_own(self):
+        scenario = headpin.Trial(support.DEMO).scenario
+        for words in ({}, {"response": None}, {"response": "coulomb"}):
+            with self.assertRaisesRegex(ValueError, "^sliding: expected a law of response of your own beside it, found"):
+                headpin.Session(scenario, sliding="coulomb", **words)
+        headpin.Session(scenario, sliding=None, response="coulomb")
+        headpin.Session(scenario, sliding="coulomb", response=lambda *_: [0, 0, 0])
+
 
 class TwoThreads(unittest.TestCase):
     def test_push_refuses_a_session_that_steps_since_its_samples_are_read(self):

@@ -96,7 +96,7 @@ class Trial:
         elasticity: float | None = ...,
         shape: Literal["ellipsoid", "true"] | None = ...,
         response: str | int | _Law | None = ...,
-        sliding: Literal["paper", "coulomb"] = ...,
+        sliding: Literal["paper", "coulomb"] | None = ...,
         detection: Literal["converged", "paper"] | None = ...,
         iterations: int | None = ...,
         warm: bool | None = ...,

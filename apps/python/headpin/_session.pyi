@@ -55,7 +55,7 @@ class Session:
         scenario: str | os.PathLike[str],
         *,
         response: str | int | _Law | None = None,
-        sliding: str = "paper",
+        sliding: str | None = None,
     ) -> None: ...
     def push(
         self,

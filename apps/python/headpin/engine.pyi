@@ -83,7 +83,7 @@ class World:
         rate_hz: int = 240,
         gravity: _Vector = ...,
         response: str | int | _Law = "paper",
-        sliding: str = "paper",
+        sliding: str | None = None,
         detection: Literal["converged", "paper"] = "converged",
         cap: int = 20,
         warm: bool = False,
