@@ -150,11 +150,14 @@ std::vector<py::ssize_t> shape_of(const Frame& frame, std::initializer_list<py::
 }
 
 /// A read-only view of a frame's values, which keeps the frame; None without values.
+///
+/// @param frame  that Python has
 template <typename T>
-py::object view(const FramePtr& frame, const std::vector<T>& values,
+py::object view(const Frame& frame, const std::vector<T>& values,
                 std::initializer_list<py::ssize_t> inner) {
   if (values.empty()) return py::none();
-  py::array_t<T> array(shape_of(*frame, inner), values.data(), py::cast(frame));
+  py::array_t<T> array(shape_of(frame, inner), values.data(),
+                       py::cast(frame, py::return_value_policy::reference));
   array.attr("flags").attr("writeable") = false;
   return array;
 }
@@ -261,22 +264,22 @@ void add_frames(py::module_& module) {
       .def_readonly("eye", &Frame::eye, "\"left\", \"right\" or \"both\".")
       .def_property_readonly(
           "image",
-          [](const FramePtr& f) {
-            return view(f, f->image, {height(*f), width(*f), 3});
+          [](const Frame& f) {
+            return view(f, f.image, {height(f), width(f), 3});
           },
           "The picture: uint8, shape (height, width, 3), sRGB, rows from the top, read-only.")
       .def_property_readonly(
           "depth",
-          [](const FramePtr& f) {
-            return view(f, f->depth, {height(*f), width(*f)});
+          [](const Frame& f) {
+            return view(f, f.depth, {height(f), width(f)});
           },
           "Distance of each pixel's centre along the viewing axis: float32 [m], shape (height, "
           "width),\n"
           "infinite without an object. None unless it was asked for.")
       .def_property_readonly(
           "ids",
-          [](const FramePtr& f) {
-            return view(f, f->ids, {height(*f), width(*f)});
+          [](const Frame& f) {
+            return view(f, f.ids, {height(f), width(f)});
           },
           "What each pixel's centre shows: uint8, shape (height, width). 0 nothing, 1 room, 2 "
           "hand, 3 stand,\n"
