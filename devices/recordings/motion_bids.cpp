@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -16,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "devices/recordings/column_names.h"
+#include "devices/recordings/missing_values.h"
 #include "devices/recordings/reading.h"
 #include "devices/recordings/text_table.h"
 
@@ -187,43 +187,6 @@ class EulerOrder {
   std::array<std::size_t, 3> axis_{};
 };
 
-std::optional<double> as_number(std::string_view text) {
-  double number = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
-
-/// What stands for numbers that are not known: n/a, and what the file says besides.
-class Missing {
- public:
-  explicit Missing(const std::string& said) : said_(said), number_(as_number(said)) {}
-
-  /// Whether a cell is not known by itself. A 0 may be measured.
-  bool is(std::string_view cell) const {
-    if (cell == "n/a") return true;
-    if (said_.empty() || number_ == 0.0) return false;
-    if (cell == said_) return true;
-    const std::optional<double> number = number_ ? as_number(cell) : std::nullopt;
-    return number && (*number == *number_ || (std::isnan(*number) && std::isnan(*number_)));
-  }
-
-  /// Whether numbers that belong together are zeros, which the file says for those that are not known.
-  bool are(std::span<const double> numbers) const {
-    return number_ == 0.0 && std::ranges::all_of(numbers, [](double x) { return x == 0.0; });
-  }
-
-  /// "n/a", "n/a or NaN"
-  std::string words() const {
-    if (said_.empty()) return "n/a";
-    return fmt::format("n/a or {}", number_ == 0.0 ? "zeros" : said_);
-  }
-
- private:
-  std::string said_;
-  std::optional<double> number_;
-};
-
 /// Reads the rows of a ..._motion.tsv.
 class Rows {
  public:
@@ -234,7 +197,7 @@ class Rows {
         columns_(columns),
         turned_(frame.axes, where),
         frame_(frame),
-        missing_(frame.missing == "n/a" ? "" : frame.missing) {
+        missing_(frame.missing) {
     table_.set_names(columns.names);
     for (const auto& [name, point] : columns.points) {
       if (point.has_angles() && !point.has_quaternion() && !order_) order_.emplace(frame, where);
@@ -252,8 +215,7 @@ class Rows {
     std::int64_t row = 0;
     for (; table_.next(); ++row) {
       const std::optional<double> time =
-          columns_.latency ? number(*columns_.latency) : static_cast<double>(row) / frame_.rate_hz;
-      if (time) table_.require_time("LATENCY", *time);
+          columns_.latency ? latency() : static_cast<double>(row) / frame_.rate_hz;
       for (std::size_t i = 0; i < read_.tracks.size(); ++i) take(i, time);
     }
     tell_unturned(row);
@@ -275,40 +237,51 @@ class Rows {
   }
 
  private:
-  std::optional<double> number(std::size_t column) const {
-    if (missing_.is(table_.text(column))) return std::nullopt;
-    return table_.number(column);
+  /// The time of the row; nothing if it is not known.
+  std::optional<double> latency() {
+    if (missing_.is_but_for_zero(table_.text(*columns_.latency))) return std::nullopt;
+    const double time = table_.number(*columns_.latency);
+    if (missing_.is_time(time, latest_)) return std::nullopt;
+    table_.require_time("LATENCY", time);
+    latest_ = time;
+    return time;
   }
 
-  /// Numbers that belong together, of a place or a rotation; nothing if they are not known.
-  template <std::size_t N>
-  std::optional<std::array<double, N>> numbers(
-      std::span<const std::optional<std::size_t>, N> columns) const {
-    std::array<double, N> all{};
-    for (std::size_t i = 0; i < N; ++i) {
-      const std::optional<double> one = number(*columns[i]);
-      if (!one) return std::nullopt;
-      all[i] = *one;
+  /// The three numbers of a place, or three angles; nothing if one of them is not known.
+  std::optional<Vec3> three(std::span<const std::optional<std::size_t>, 3> columns) const {
+    Vec3 all;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (missing_.is(table_.text(*columns[i]))) return std::nullopt;
+      all[static_cast<Eigen::Index>(i)] = table_.number(*columns[i]);
     }
-    if (missing_.are(all)) return std::nullopt;
     return all;
+  }
+
+  /// The same of a quaternion.
+  std::optional<Quat> quaternion(std::span<const std::optional<std::size_t>, 4> columns) const {
+    std::array<double, 4> q{};
+    for (std::size_t i = 0; i < q.size(); ++i) {
+      if (missing_.is_but_for_zero(table_.text(*columns[i]))) return std::nullopt;
+      q[i] = table_.number(*columns[i]);
+    }
+    if (missing_.is_part_of(q)) return std::nullopt;
+    return Quat(q[0], q[1], q[2], q[3]);
   }
 
   std::optional<Pose> pose_of(std::size_t i) const {
     const Point& point = columns_.points[i].second;
-    const auto p = numbers(std::span(point.column).first<3>());
+    const std::optional<Vec3> p = three(std::span(point.column).first<3>());
     if (!p) return std::nullopt;
-    Pose pose{Quat::Identity(), point.unit_m * Vec3((*p)[0], (*p)[1], (*p)[2])};
-    if (!point.turns) return pose;
-    if (!point.has_quaternion()) {
-      const auto a = numbers(std::span(point.angle));
-      if (!a) return std::nullopt;
-      pose.q = (*order_)(point.unit_rad * Vec3((*a)[0], (*a)[1], (*a)[2]));
-      return pose;
+    Pose pose{Quat::Identity(), point.unit_m * *p};
+    if (point.has_quaternion()) {
+      const std::optional<Quat> q = quaternion(std::span(point.column).last<4>());
+      if (!q) return std::nullopt;
+      pose.q = *q;
+    } else if (point.has_angles()) {
+      const std::optional<Vec3> angles = three(std::span(point.angle));
+      if (!angles) return std::nullopt;
+      pose.q = (*order_)(point.unit_rad * *angles);
     }
-    const auto q = numbers(std::span(point.column).last<4>());
-    if (!q) return std::nullopt;
-    pose.q = Quat((*q)[0], (*q)[1], (*q)[2], (*q)[3]);
     return pose;
   }
 
@@ -337,7 +310,7 @@ class Rows {
       ++unknown_;
       return;
     }
-    if (const double length = pose->q.norm(); !(std::abs(length - 1.0) < 1e-3)) {
+    if (const double length = pose->q.norm(); !(std::abs(length - 1.0) < kUnitLength)) {
       Unturned& its = unturned_[i];
       if (its.count++ == 0) its = {.count = 1, .line = table_.line(), .length = length};
       return;
@@ -363,11 +336,12 @@ class Rows {
   const Columns& columns_;
   Axes turned_;
   const BidsFrame& frame_;
-  Missing missing_;
+  MissingValues missing_;
   std::optional<EulerOrder> order_;
   MotionTracks read_;
   std::int64_t unknown_ = 0, again_ = 0;  ///< samples that are left out
   std::vector<Unturned> unturned_;        ///< of each point
+  std::optional<double> latest_;          ///< LATENCY
 };
 
 }  // namespace

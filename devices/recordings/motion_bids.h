@@ -23,8 +23,8 @@ struct BidsFrame {
   std::vector<std::string> others = {};  ///< tracked points in other frames, which are left out
   double rate_hz = 0.0;        ///< of the samples, where no LATENCY channel has their times
   std::string rate_from = {};  ///< what says it: "SamplingFrequency"; for a note
-  /// What stands besides n/a in cells that are not known: "NaN", "-9999", "0". Where it is 0, one 0 may be
-  /// measured: only a place or a rotation of zeros alone is not known.
+  /// What stands besides n/a in cells that are not known: "NaN", "-9999", "0". Where it is 0, a 0 may be measured
+  /// in a unit quaternion, and as a time in the first row or after an earlier one.
   std::string missing = {};
 };
 

@@ -402,16 +402,59 @@ TEST(MotionBids, WhatTheFileSaysOfMissingValuesIsLeftOutAsNaIs) {
 }
 
 // A quaternion that does not turn has three zeros, and the first row is at time 0.
-TEST(MotionBids, WhereZerosAreMissingValuesOneZeroIsMeasured) {
-  const std::string channels = "t\tn/a\tLATENCY\tn/a\ts\n";
+TEST(MotionBids, WhereZerosAreMissingValuesAUnitQuaternionAndTheFirstTimeMayHaveZeros) {
+  const std::string channels = quaternion_channels({"head"}) + "t\tn/a\tLATENCY\tn/a\ts\n";
+  const BidsFrame frame{.axes = "RSP", .missing = "0"};
   const MotionTracks read = parse_motion_bids(
-      "1\t0\t3\t1\t0\t0\t0\t0\n"
+      "1\t2\t3\t1\t0\t0\t0\t0\n"
       "0\t0\t0\t1\t0\t0\t0\t0.01\n"
       "1\t2\t3\t0\t0\t0\t0\t0.02\n"
-      "1\t2\t3\t0\t1\t0\t0\t0.03\n",
-      quaternion_channels({"head"}) + channels, "x", {.axes = "RSP", .missing = "0"});
+      "1\t2\t3\t0\t1\t0\t0\t0.03\n"
+      "1\t2\t3\t1\t0\t0\t0\t0\n"
+      "1\t0.0\t3\t1\t0\t0\t0\t0.04\n",
+      channels, "x", frame);
   EXPECT_THAT(times_in(read), testing::ElementsAre(0, 30'000));
-  EXPECT_THAT(read.notes, testing::ElementsAre(HasSubstr("2 samples are n/a or zeros")));
+  EXPECT_THAT(read.notes, testing::ElementsAre(HasSubstr("4 samples are n/a or 0")));
+  // Zeros in place of some of its numbers leave no unit quaternion: not known, also where most are so.
+  const MotionTracks parts = parse_motion_bids(
+      "1\t2\t3\t0\t0.6\t0\t0\t0\n"
+      "1\t2\t3\t0\t0.6\t0\t0\t0.01\n"
+      "1\t2\t3\t0\t0.6\t0.8\t0\t0.02\n",
+      channels, "x", frame);
+  EXPECT_THAT(times_in(parts), testing::ElementsAre(20'000));
+  EXPECT_THAT(parts.notes, testing::ElementsAre(HasSubstr("2 samples are n/a or 0")));
+  // Before time 0, a 0 may be measured.
+  const MotionTracks before = parse_motion_bids(
+      "1\t2\t3\t1\t0\t0\t0\t-0.01\n"
+      "1\t2\t3\t1\t0\t0\t0\t0\n"
+      "1\t2\t3\t1\t0\t0\t0\t0.01\n",
+      channels, "x", frame);
+  EXPECT_THAT(times_in(before), testing::ElementsAre(-10'000, 0, 10'000));
+}
+
+// What the file says holds for each place and angle: one that is 0 was not measured, and n/a is its sample.
+TEST(MotionBids, WhereZerosAreMissingValuesAnAngleOrAPlaceOfZeroIsNotKnown) {
+  const std::string rows =
+      "1\t2\t3\t10\t20\t30\n"
+      "1\t2\t3\t0\t0\t0\n"
+      "1\t2\t3\t10\t-0.0\t30\n"
+      "0\t2\t3\t10\t20\t30\n"
+      "1\t2\t3\t10\t20\tn/a\n"
+      "1\t2\t3\t10\t20\t30\n";
+  const auto read = [&](const std::string& missing, bool turns = true) {
+    return parse_motion_bids(
+        rows, kBidsHeader + "\n" + point_channels("head", ""), "x",
+        {.axes = "RSP", .rotation_order = "ZXY", .rate_hz = 100.0, .missing = missing}, {}, turns);
+  };
+  for (const char* missing : {"0", "0.0", "-0"}) {
+    EXPECT_THAT(times_in(read(missing)), testing::ElementsAre(0, 50'000)) << missing;
+    EXPECT_THAT(read(missing).notes,
+                testing::ElementsAre(HasSubstr(fmt::format("4 samples are n/a or {}", missing))));
+  }
+  EXPECT_THAT(times_in(read("20")), testing::ElementsAre(10'000, 20'000));
+  EXPECT_THAT(times_in(read("")), testing::ElementsAre(0, 10'000, 20'000, 30'000, 50'000));
+  // Where angles are not read, none of them needs to be known.
+  EXPECT_THAT(times_in(read("0", false)), testing::ElementsAre(0, 10'000, 20'000, 40'000, 50'000));
 }
 
 }  // namespace
