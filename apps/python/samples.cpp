@@ -42,16 +42,21 @@ void check(const MouseSample& s) {
   }
 }
 
+/// The error letter of a status; a blank for none.
+char letter_of(const std::string& status) {
+  if (status.size() > 1) {
+    throw std::invalid_argument("sample: status: expected one letter or none, found '" + status +
+                                "'");
+  }
+  return status.empty() ? ' ' : status[0];
+}
+
 TrackerSample tracker_sample(std::int32_t station, std::int64_t time_us, const Vec3& position,
                              const Quaternion& quaternion, std::uint8_t buttons,
                              const std::string& status, std::int64_t sequence,
                              std::int64_t host_time_us, std::int64_t session_time_us,
                              std::int64_t sent_time_us, bool position_estimated,
                              bool orientation_estimated) {
-  if (status.size() > 1) {
-    throw std::invalid_argument("sample: status: expected one letter or none, found '" + status +
-                                "'");
-  }
   TrackerSample s;
   s.device_time = Time{time_us};
   s.host_time = Time{host_time_us};
@@ -62,7 +67,7 @@ TrackerSample tracker_sample(std::int32_t station, std::int64_t time_us, const V
   s.sequence = sequence;
   s.station = station;
   s.X_TS = pose_of(position, quaternion);
-  s.status = status.empty() ? ' ' : status[0];
+  s.status = letter_of(status);
   s.buttons = buttons;
   check(s);
   return s;
@@ -119,8 +124,7 @@ devices::Sample tracker_in(const Cells& c) {
   s.frame = c.text("frame");
   s.X_TS = {Quat(c.at<double>("qw"), c.at<double>("qx"), c.at<double>("qy"), c.at<double>("qz")),
             Vec3(c.at<double>("x_m"), c.at<double>("y_m"), c.at<double>("z_m"))};
-  const std::string status = c.text("status");
-  s.status = status.empty() ? ' ' : status[0];
+  s.status = letter_of(c.text("status"));
   s.buttons = c.at<bool>("stylus") ? 1 : 0;
   if (c.has("sent_time_s")) {  // not in tables of older versions
     s.sent_time = c.time("sent_time_s");
@@ -148,7 +152,11 @@ std::vector<devices::Sample> in_table(const py::object& rows) {
   std::vector<devices::Sample> all;
   const py::object each = py::module_::import("numpy").attr("atleast_1d")(rows);
   for (const py::handle row : each) {
-    all.push_back(trackers ? tracker_in({row}) : mouse_in({row}));
+    try {
+      all.push_back(trackers ? tracker_in({row}) : mouse_in({row}));
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("row " + std::to_string(all.size()) + ": " + error.what());
+    }
   }
   return all;
 }

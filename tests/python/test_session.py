@@ -262,6 +262,19 @@ class OfAScenario(unittest.TestCase):
         session.step(trial.replay().summary["ticks"])
         self.assertEqual(session.game_hash, trial.replay().game_hash)
 
+    def test_refuses_tables_with_a_status_of_several_letters(self):
+        trial = headpin.Trial(support.DEMO)
+        session = headpin.Session(trial.scenario)
+        for status in ("AB", "nan", " "):
+            table = trial.samples.copy()
+            table["status"][2] = status
+            if len(status) == 1:
+                session.push(table)
+                continue
+            words = f"^row 2: sample: status: expected one letter or none, found '{status}'"
+            with self.assertRaisesRegex(ValueError, words):
+                session.push(table)
+
     def test_refuses_tables_with_numbers_that_cannot_be_and_laws_of_sliding_that_are_none(self):
         scenario = headpin.Trial(support.DEMO).scenario
         session = headpin.Session(scenario)
