@@ -10,6 +10,17 @@
 #include "base/left_parts.h"
 
 namespace headpin::apps {
+namespace {
+
+void require_none_done(const std::vector<Run>& runs, const std::string& id) {
+  if (const Run* done = counting(runs)) {
+    throw PlayedAlready(
+        fmt::format("{}: {} has played already ({:.1f} s); a session is played only once",
+                    done->path.string(), id, done->seconds));
+  }
+}
+
+}  // namespace
 
 void leave_to_person(const std::vector<Run>& runs, const std::string& id) {
   if (const Run* const persons = of_person(runs)) {
@@ -24,19 +35,23 @@ NextRun::NextRun(const Study& study, const std::string& id, const std::string& c
   renew(study, id, command, is_virtual);
 }
 
+void NextRun::lock(const std::string& id) {
+  if (lock_ && lock_->is_of(folder_)) return;
+  std::filesystem::create_directories(folder_);
+  lock_.emplace(folder_, "playing the session of " + id);
+}
+
+void NextRun::require_unplayed(const Study& study, const std::string& id) {
+  lock(id);
+  require_none_done(runs_of(study, id), id);
+}
+
 void NextRun::renew(const Study& study, const std::string& id, const std::string& command,
                     bool is_virtual) {
-  if (!lock_ || !std::filesystem::exists(folder_)) {
-    std::filesystem::create_directories(folder_);
-    lock_.emplace(folder_, "playing the session of " + id);
-  }
+  lock(id);
   base::remove_left_parts(folder_.string());
   const std::vector<Run> runs = runs_of(study, id);
-  if (const Run* done = counting(runs)) {
-    throw PlayedAlready(
-        fmt::format("{}: {} has played already ({:.1f} s); a session is played only once",
-                    done->path.string(), id, done->seconds));
-  }
+  require_none_done(runs, id);
   if (is_virtual) leave_to_person(runs, id);
   int last = 0;
   for (const Run& run : runs) {

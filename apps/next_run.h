@@ -36,6 +36,9 @@ class NextRun {
   /// @throws PlayedAlready
   /// @throws PersonsSession     for a virtual participant where a person's session was cut off
   NextRun(const Study& study, const std::string& id, const std::string& command, bool is_virtual);
+  /// Locks the folder also where it was put elsewhere meanwhile and made anew.
+  /// @throws base::Busy, PlayedAlready  where no other run can be played now
+  void require_unplayed(const Study& study, const std::string& id);
   /// Names the run after this one, which was cut off. The folder stays locked, whether it can or not; one that
   /// was put elsewhere meanwhile is made anew.
   /// @throws base::Busy, PlayedAlready, PersonsSession  as above
@@ -44,6 +47,8 @@ class NextRun {
   const std::string& path() const { return path_; }
 
  private:
+  void lock(const std::string& id);
+
   std::filesystem::path folder_;
   std::optional<StudyLock> lock_;
   std::string path_;

@@ -10,6 +10,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "apps/command.h"
@@ -264,6 +265,12 @@ StudyLock::StudyLock(const fs::path& path, const std::string& what)
 
 StudyLock::~StudyLock() {
   close(descriptor_);
+}
+
+bool StudyLock::is_of(const fs::path& path) const {
+  struct stat held = {}, now = {};
+  return fstat(descriptor_, &held) == 0 && stat(path.c_str(), &now) == 0 &&
+         held.st_dev == now.st_dev && held.st_ino == now.st_ino;
 }
 
 std::optional<int> run_number(std::string_view name) {

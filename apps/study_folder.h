@@ -90,6 +90,9 @@ class StudyLock {
   StudyLock(const StudyLock&) = delete;
   StudyLock& operator=(const StudyLock&) = delete;
 
+  /// Whether what it locks is still what has this path.
+  bool is_of(const std::filesystem::path& path) const;
+
  private:
   int descriptor_ = -1;
 };

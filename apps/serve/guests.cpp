@@ -30,6 +30,14 @@ const char* word(Guest::State state) {
   return state == Guest::State::playing ? "playing" : "ended";
 }
 
+/// Why a guest gets no other link; null where it may.
+const char* why_not_again(const Guest& guest) {
+  if (guest.place.participant.empty()) return "another link is only for a participant of a plan";
+  if (guest.state == Guest::State::invited) return "no game has begun by this link: use it";
+  if (guest.state == Guest::State::ended) return "this game was played to its end";
+  return guest.state == Guest::State::cut_off ? "this game goes on by another link" : nullptr;
+}
+
 }  // namespace
 
 std::string random_token() {
@@ -53,8 +61,13 @@ Guest& Guests::invite() {
 
 Guest& Guests::invite_again(std::string_view token) {
   Guest& before = find(token);
-  if (before.state != Guest::State::playing || before.place.participant.empty()) {
-    throw Refused(409, "another link is only for a participant of a plan whose game has not ended");
+  if (const char* const why = why_not_again(before)) throw Refused(409, why);
+  try {
+    before.place.require_unplayed();
+  } catch (const Refused&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Refused(409, printable(error.what()));
   }
   const auto known = std::ranges::find(guests_, &before, &Guest::instead_of);
   if (known != guests_.end()) return *known;
@@ -102,6 +115,9 @@ std::int64_t Guests::begin(std::string_view token, const std::string& key) {
   }
   try {
     guest.log = guest.place.open();
+  } catch (const Refused& no) {
+    tell_(no.what());
+    throw;
   } catch (const std::exception& error) {
     tell_(error.what());
     throw Refused(500, "the game cannot be recorded here; tell the people who invited you");

@@ -42,8 +42,12 @@ struct Place {
   scene::Scenario scenario;
   std::string hint = {};  ///< for the guest, before the game
   /// Opens the log when the game begins.
-  /// @throws  when this place has been played, or its file cannot be opened
+  /// @throws Refused  409 where its session has been played, or is being played elsewhere; others when its file
+  ///                  cannot be opened
   std::function<std::unique_ptr<IncomingLog>()> open = {};
+  /// Asked before another link is made; null outside a plan.
+  /// @throws Refused  409 as above
+  std::function<void()> require_unplayed = {};
   /// Stores the answers of the questionnaire; null without one.
   /// @throws NoAnswer  and others where they cannot be stored
   std::function<void(const nlohmann::json&)> answer = {};
@@ -81,7 +85,8 @@ class Guests {
   /// Makes a link for the participant of a game that does not go on: for another game from the start. The one
   /// before may go on until that begins; what it recorded is kept. Asked again, it is the same link until then.
   ///
-  /// @throws Refused  403 for an unknown token; 409 for a guest who is no participant of a plan, or does not play
+  /// @throws Refused  403 for an unknown token; 409, and why, where nobody could play by it: for a guest who is no
+  ///                  participant of a plan, or does not play, or whose whole game is here
   Guest& invite_again(std::string_view token);
 
   /// @throws Refused  403 for an unknown token
@@ -97,7 +102,8 @@ class Guests {
   /// not have got the answer to the one or the other.
   ///
   /// @return  bytes of the log that are here
-  /// @throws Refused  403 for a used link, 400 for what is no key, 409 where the game before has come to its end
+  /// @throws Refused  403 for a used link, 400 for what is no key, 409 where the session was played to its end or is
+  ///                  being played elsewhere, 500 where its file cannot be opened
   std::int64_t begin(std::string_view token, const std::string& key);
 
   /// @return  bytes of the log that are here

@@ -52,6 +52,18 @@ study::Answers answers_in(const nlohmann::json& given, const study::Questionnair
   return answers;
 }
 
+/// Does what needs the session of a participant, and says to the page where it cannot be played.
+template <typename Work>
+auto or_refused(const std::string& id, const Work& work) {
+  try {
+    return work();
+  } catch (const PlayedAlready&) {
+    throw Refused(409, fmt::format("{} has played already; a session is played only once", id));
+  } catch (const base::Busy&) {
+    throw Refused(409, fmt::format("another headpin is playing the session of {}", id));
+  }
+}
+
 Place place_of(const Study& study, const study::PlannedParticipant& who) {
   const std::string id = who.id;
   Place place;
@@ -62,13 +74,21 @@ Place place_of(const Study& study, const study::PlannedParticipant& who) {
   place.hint = fmt::format("Touch the {} button first, and play. Then touch the {} one.",
                            red ? "red" : "blue", red ? "blue" : "red");
   // The lock of the participant's folder is kept as long as the place, also where another link cannot begin.
-  place.open = [&study, id, run = std::make_shared<std::optional<NextRun>>()] {
-    if (*run) {
-      (*run)->renew(study, id, kCommand, false);
-    } else {
-      run->emplace(study, id, kCommand, false);
-    }
-    return std::make_unique<IncomingLog>((*run)->path());
+  const auto run = std::make_shared<std::optional<NextRun>>();
+  place.open = [&study, id, run] {
+    return or_refused(id, [&] {
+      if (*run) {
+        (*run)->renew(study, id, kCommand, false);
+      } else {
+        run->emplace(study, id, kCommand, false);
+      }
+      return std::make_unique<IncomingLog>((*run)->path());
+    });
+  };
+  place.require_unplayed = [&study, id, run] {
+    or_refused(id, [&] {
+      if (*run) (*run)->require_unplayed(study, id);
+    });
   };
   place.answer = [&study, id](const nlohmann::json& given) {
     const study::Answers answers = answers_in(given, study.questions);

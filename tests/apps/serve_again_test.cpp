@@ -1,5 +1,11 @@
 // Another link of a participant whose page was closed in the middle of a game.
 
+#include <algorithm>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include "tests/apps/serving.h"
 
 namespace headpin {
@@ -45,11 +51,22 @@ TEST_F(Serve, AnotherLinkBeginsNoGameAfterTheEndOfTheFirst) {
   start("study --links 1");
   const std::string again = "/links" + operator_.substr(1) + "&again=" + links_[0].substr(6);
   EXPECT_EQ(post(links_[0], "begin").status, 200);
-  EXPECT_EQ(post(links_[0], "log?at=0", "all").status, 200);
+  EXPECT_EQ(post(links_[0], "log?at=0", slurp(kDemoLog).substr(0, 20'000)).status, 200);
   const std::string other = nlohmann::json::parse(ask("POST", again).body)["path"];
-  EXPECT_EQ(post(links_[0], "end?at=3").status, 200);
+  EXPECT_EQ(post(links_[0], "end?at=20000").status, 200);
   EXPECT_EQ(post(other, "begin", "", kOtherKey).status, 409);
   EXPECT_EQ(ask("POST", again).status, 409);
+}
+
+// Nobody can tell whether it is a whole game: no run follows it.
+TEST_F(Serve, AParticipantWhoseLogIsNoneGetsNoOtherLink) {
+  ASSERT_EQ(headpin("experiment plan -o study --people 1").code, 0);
+  start("study --links 1");
+  EXPECT_EQ(post(links_[0], "begin").status, 200);
+  EXPECT_EQ(post(links_[0], "log?at=0", "no log").status, 200);
+  const Reply no = ask("POST", "/links" + operator_.substr(1) + "&again=" + links_[0].substr(6));
+  EXPECT_EQ(no.status, 409);
+  EXPECT_THAT(no.body, HasSubstr("run-01.lcmlog: not an LCM event log"));
 }
 
 // The lock was given back before it was known whether the other game can begin.
@@ -91,6 +108,64 @@ TEST_F(Serve, AnotherLinkBeginsItsGameWhereTheFolderOfTheFirstOneWasPutAside) {
   EXPECT_EQ(stop(), 0);
   EXPECT_EQ(slurp(folder_ / "aside/run-01.lcmlog"), log.substr(0, 20'000));
   EXPECT_EQ(slurp(folder_ / "study/sessions/p001/run-01.lcmlog"), log);
+}
+
+// The page was closed behind the last piece, before it could say that this was the end.
+TEST_F(Serve, AParticipantWhoseWholeGameIsThereGetsNoOtherLink) {
+  ASSERT_EQ(headpin("experiment plan -o study --people 1").code, 0);
+  fs::copy(folder_ / "study", folder_ / "copy", fs::copy_options::recursive);
+  ASSERT_EQ(headpin("experiment run copy --participant p001 --virtual").code, 0);
+  const std::string log = slurp(folder_ / "copy/sessions/p001/run-01.lcmlog");
+  start("study --links 1");
+  const std::string again = "/links" + operator_.substr(1) + "&again=" + links_[0].substr(6);
+  const auto send = [&](std::size_t from, std::size_t to) {
+    constexpr std::size_t kPiece = 1'000'000;
+    for (std::size_t at = from; at < to; at += kPiece) {
+      const std::string piece = log.substr(at, std::min(kPiece, to - at));
+      ASSERT_EQ(post(links_[0], fmt::format("log?at={}", at), piece).status, 200);
+    }
+  };
+  EXPECT_EQ(post(links_[0], "begin").status, 200);
+  ASSERT_NO_FATAL_FAILURE(send(0, log.size() / 2));
+  const std::string other = nlohmann::json::parse(ask("POST", again).body)["path"];
+  ASSERT_NO_FATAL_FAILURE(send(log.size() / 2, log.size()));
+  EXPECT_EQ(guest(0)["state"], "playing");
+  for (const Reply& no : {ask("POST", again), post(other, "begin", "", kOtherKey)}) {
+    EXPECT_EQ(no.status, 409);
+    EXPECT_THAT(no.body, HasSubstr("p001 has played already; a session is played only once"));
+  }
+  EXPECT_EQ(post(links_[0], fmt::format("end?at={}", log.size())).status, 200);
+  const Reply ended = ask("POST", again);
+  EXPECT_EQ(ended.status, 409);
+  EXPECT_THAT(ended.body, HasSubstr("this game was played to its end"));
+  EXPECT_EQ(stop(), 0);
+  EXPECT_EQ(files_in("study/sessions/p001"), 1u);
+}
+
+TEST_F(Serve, AParticipantWhoPlaysByAnotherLinkOrElsewhereGetsNoOtherLink) {
+  ASSERT_EQ(headpin("experiment plan -o study --people 1").code, 0);
+  start("study --links 1");
+  const auto again = [&](const std::string& link) {
+    return ask("POST", "/links" + operator_.substr(1) + "&again=" + link.substr(6));
+  };
+  EXPECT_EQ(post(links_[0], "begin").status, 200);
+  const std::string other = nlohmann::json::parse(again(links_[0]).body)["path"];
+  EXPECT_EQ(post(other, "begin", "", kOtherKey).status, 200);
+  const Reply replaced = again(links_[0]);
+  EXPECT_EQ(replaced.status, 409);
+  EXPECT_THAT(replaced.body, HasSubstr("this game goes on by another link"));
+  // Somebody puts the folder aside, and another program plays the session in a new one.
+  const fs::path session = folder_ / "study/sessions/p001";
+  fs::rename(session, folder_ / "aside");
+  fs::create_directory(session);
+  const int elsewhere = open(session.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_EQ(flock(elsewhere, LOCK_EX | LOCK_NB), 0);
+  const Reply busy = again(other);
+  EXPECT_EQ(busy.status, 409);
+  EXPECT_THAT(busy.body, HasSubstr("another headpin is playing the session of p001"));
+  close(elsewhere);
+  EXPECT_EQ(again(other).status, 200);
+  EXPECT_EQ(stop(), 0);
 }
 
 }  // namespace
