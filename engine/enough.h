@@ -15,8 +15,8 @@ inline constexpr double kNearly = 5e-4, kCrowd = 1e-2;
 /// For a crowd, plus this part of what its contacts change beyond what gravity adds.
 inline constexpr double kOfMore = 2.5e-2;
 
-/// A crowd of bodies slower than this [m/s] is to stand, and is solved to this part of what gravity adds. Where passes
-/// converge slowly, the error is many times what the last pass changed.
+/// A crowd of bodies slower than this [m/s] is to stand, and is then solved to this part of what gravity adds, if passes
+/// come so far. Where they converge slowly, the error is many times what the last pass changed.
 inline constexpr double kSlowCrowd = 0.1, kOfSlow = 2e-3;
 
 /// How much contacts change the velocities of an island's bodies, root of the mean square [m/s].
@@ -45,17 +45,19 @@ inline double change_by_contacts(const Island& s) {
   return std::sqrt(sum / static_cast<double>(bodies.size()));
 }
 
-/// Whether the island's bodies are slow, with their turning about their centres.
-inline bool is_slow(const Island& s) {
-  const auto slow = [&](BodyId i) {
-    const State& state = s.bodies.states[i];
+/// Whether all bodies are slow, with their turning about their centres.
+inline bool is_slow(const Island& s, const std::vector<BodyId>& bodies) {
+  return std::ranges::all_of(bodies, [&](BodyId i) {
+    const State& state = s.world.states[i];
     const double turning = state.w_WB.norm() * s.world.bodies[i].shape->bounding_radius;
     return state.v_WB.norm() + turning <= kSlowCrowd;
-  };
-  return std::all_of(s.each.begin(), s.each.end(), [&](std::uint32_t k) {
-    const Touch& touch = s.touches[k];
-    return slow(touch.a) && (!touch.b_moves || slow(touch.b));
   });
+}
+
+/// The same as `enough_for` for a slow crowd [m/s].
+inline double enough_to_stand(const World& world) {
+  const Parameters& p = world.parameters;
+  return std::max(p.solver_residual, kOfSlow * p.gravity_W.norm() * step_seconds(world));
 }
 
 /// The change of a velocity in a pass at which what is left is solved [m/s].
@@ -66,7 +68,6 @@ inline double enough_for(const Island& s, bool planned) {
   const double falls = p.gravity_W.norm() * step_seconds(s.world);
   if (planned) return std::max(p.solver_residual, kNearly * falls);
   if (!speeds_up_first(p)) return std::max(p.solver_residual, kCrowd * falls);
-  if (keeps_crowds_standing(p) && is_slow(s)) return std::max(p.solver_residual, kOfSlow * falls);
   const double more = std::max(0.0, change_by_contacts(s) - falls);
   return std::max(p.solver_residual, kCrowd * falls + kOfMore * more);
 }

@@ -22,6 +22,11 @@ inline bool concerns(std::uint64_t key, BodyId body) {
   return (key >> 32 & 0x7fff'ffffu) == body || (key & 0xffff'ffffu) == body;
 }
 
+/// The body that stands first in a key.
+inline BodyId first_of(std::uint64_t key) {
+  return static_cast<BodyId>(key >> 32 & 0x7fff'ffffu);
+}
+
 /// The impulse of a contact point, for the warm start [kg m/s].
 struct Load {
   double impulse = 0.0;
@@ -36,7 +41,7 @@ struct PastTouch {
   std::uint32_t first_load = 0, loads = 0;  ///< in `Memory::loads`
   double friction = 0.0;
   Sliding sliding;                                        ///< for that friction
-  Vec3 friction_W = Vec3::Zero(), roll_W = Vec3::Zero();  ///< impulses on A
+  Vec3 friction_W = Vec3::Zero(), roll_W = Vec3::Zero();  ///< impulses, see `side_of`
   double twist = 0.0;
 };
 

@@ -153,7 +153,11 @@ double solve_friction(const Island& s, const Touch& touch, FrictionRows& f, doub
       twist = f.twist - f.twist_mass * (f.n.dot(spin()) + f.twist_softness * f.twist);
       twist = std::clamp(twist, -most * f.reach, most * f.reach);
     }
-    if (counts) worst = std::max(worst, std::abs(twist - f.twist) / f.twist_mass * f.reach);
+    if (counts) {
+      double yields = f.n.dot(f.a.twist_i);
+      if constexpr (other == Other::moving) yields += f.n.dot(f.b.twist_i);
+      worst = std::max(worst, std::abs(twist - f.twist) * yields * f.reach);
+    }
     twist_by<other>(s.bodies, touch, f, twist - f.twist);
     f.twist = twist;
   }

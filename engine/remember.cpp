@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "engine/stages.h"
+#include "engine/touching.h"
 
 namespace headpin::engine::detail {
 namespace {
@@ -30,9 +31,11 @@ void remember(World& world, Touches& touches, const Flight& flight, Solved& solv
   const auto keep = [&](std::size_t k) {
     const Touch& t = touches.all[k];
     const SolvedTouch& s = solved.touches[k];
-    memory.touches[k] = {t.key,        t.part, s.met,           flight.touches[k].struck,
-                         s.first_load, s.rows, t.pair.friction, t.sliding,
-                         s.friction_W, s.roll, s.twist};
+    const double side = side_of(world.parameters, t);
+    memory.touches[k] = {
+        t.key,  t.part,          s.met,     flight.touches[k].struck, s.first_load,
+        s.rows, t.pair.friction, t.sliding, side * s.friction_W,      side * s.roll,
+        s.twist};
   };
   w.crew.share_range(touches.early, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) keep(k);

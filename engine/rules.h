@@ -144,8 +144,9 @@ inline bool speeds_up_first(const Parameters& p) {
 
 // Since rules 17: lasting contacts that are carried, twisted or on each other.
 
-/// What a driven body carries has the speed of a throw without elasticity. Rounding makes no throw of it.
-inline bool rounds_throws(const Parameters& p) {
+/// What a driven body alone holds goes along with it, however fast that is beside the body's own speed. Beside a
+/// fixed body, what it carries has the speed of a throw without elasticity: rounding makes no throw of it.
+inline bool knows_carried(const Parameters& p) {
   return p.rules >= 17;
 }
 
@@ -159,8 +160,9 @@ inline bool keeps_crowds_standing(const Parameters& p) {
   return p.rules >= 17;
 }
 
-/// Where a body becomes free or driven, friction of the last step keeps its direction.
-inline bool exchanges_sides(const Parameters& p) {
+/// Friction of the last step is stored as that on the first body of the key. Which of two bodies is A changes where
+/// one becomes free or driven, sleeps or wakes: friction then began with the wrong sign.
+inline bool keeps_sides(const Parameters& p) {
   return p.rules >= 17;
 }
 

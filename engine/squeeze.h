@@ -36,7 +36,7 @@ class Squeeze {
     if (pressing_.empty()) return false;
     if (!done.solved) return true;
     double most = most_, most_energy = most_energy_;
-    if (const Parameters& p = s_.world.parameters; rounds_throws(p)) {
+    if (const Parameters& p = s_.world.parameters; knows_carried(p)) {
       const double error = 10.0 * p.solver_residual + 2.0 * done.worst;  // of passes
       most += error;
       most_energy = hoop_energy(std::sqrt(most_energy_) + error);
@@ -84,12 +84,24 @@ class Squeeze {
       most_ = std::max(most_, throws_at(world, s_.points, touch));
       most_energy_ = hoop_energy(most_);
     }
+    if (knows_carried(world.parameters) && is_carried()) pressing_.clear();
     if (pressing_.empty()) return;
     for (const std::uint32_t k : s_.each) {
       const Touch& touch = s_.touches[k];
       note(touch.a);
       if (touch.b_moves) note(touch.b);
     }
+  }
+
+  /// Whether one driven body alone holds the island. There is a solution then, as the island may move with that body as
+  /// if they were one; and contacts give no energy relative to it.
+  bool is_carried() const {
+    if (pressing_.empty()) return false;
+    const BodyId driven = pressing_.front().first;
+    return std::ranges::all_of(s_.each, [&](std::uint32_t k) {
+      const Touch& touch = s_.touches[k];
+      return touch.points == 0 || touch.b_moves || touch.b == driven;
+    });
   }
 
   void note(BodyId i) {

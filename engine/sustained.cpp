@@ -10,6 +10,7 @@
 #include "engine/rules.h"
 #include "engine/squeeze.h"
 #include "engine/stages.h"
+#include "engine/touching.h"
 
 namespace headpin::engine::detail {
 namespace {
@@ -130,25 +131,33 @@ double energy_of(const World& world, std::span<const BodyId> bodies) {
   go_on(s, done, {kSoftPasses * p.solver_iterations, enough});
 }
 
-/// Accelerated passes over an island that is planned, as long as they converge quickly. If they do not solve it,
-/// they change nothing: direct solutions converge less often from where such passes have come to. They leave out no
-/// friction: one that goes on and off without end is no solution.
-void solve_quickly(const Island& s, Passes& done) {
-  const Parameters& p = s.world.parameters;
-  const std::vector<BodyId>& bodies = s.rows.direct.bodies;
+/// Stores the impulses of an island, and the states of its bodies.
+void store(const Island& s, const std::vector<BodyId>& bodies) {
   RowsBefore& start = s.rows.start;
   start.loads.clear();
   for (const NormalRow& row : s.normals) start.loads.push_back(row.impulse);
   start.friction = s.rows.friction;
   start.states.clear();
   for (const BodyId i : bodies) start.states.push_back(s.world.states[i]);
-  for (FrictionRows& f : s.rows.friction) f.releases = -kQuickPasses;
-  go_on(s, done, {std::min(kQuickPasses, p.solver_iterations), p.solver_residual, 1, true});
-  for (FrictionRows& f : s.rows.friction) f.releases = 0;
-  if (done.solved) return;
+}
+void put_back(const Island& s, const std::vector<BodyId>& bodies) {
+  const RowsBefore& start = s.rows.start;
   for (std::size_t k = 0; k < s.normals.size(); ++k) s.normals[k].impulse = start.loads[k];
   s.rows.friction = start.friction;
   for (std::size_t k = 0; k < bodies.size(); ++k) s.world.states[bodies[k]] = start.states[k];
+}
+
+/// Accelerated passes over an island that is planned, as long as they converge quickly. If they do not solve it,
+/// they change nothing: direct solutions converge less often from where such passes have come to. They leave out no
+/// friction: one that goes on and off without end is no solution.
+void solve_quickly(const Island& s, Passes& done) {
+  const Parameters& p = s.world.parameters;
+  const std::vector<BodyId>& bodies = s.rows.direct.bodies;
+  store(s, bodies);
+  for (FrictionRows& f : s.rows.friction) f.releases = -kQuickPasses;
+  go_on(s, done, {std::min(kQuickPasses, p.solver_iterations), p.solver_residual, 1, true});
+  for (FrictionRows& f : s.rows.friction) f.releases = 0;
+  if (!done.solved) put_back(s, bodies);
 }
 
 /// Direct solutions of an island, until a pass finds it solved.
@@ -168,6 +177,22 @@ void solve_quickly(const Island& s, Passes& done) {
     if (gives_up && done.worst > 0.9 * before_last) return;
     before_last = std::exchange(last, done.worst);
   }
+}
+
+/// More passes over a slow crowd that is solved, so that it stands. Where they do not solve it as well as that, they
+/// change nothing: there are crowds that no number of passes solves so well, as where a body is wedged.
+[[gnu::noinline]] void solve_to_stand(const Island& s, Passes& done) {
+  std::vector<BodyId>& bodies = s.rows.bodies;
+  list_bodies(s, bodies);
+  if (!is_slow(s, bodies)) return;
+  const double enough = enough_to_stand(s.world);
+  if (done.worst <= enough) return;
+  store(s, bodies);
+  const Passes coarse = done;
+  go_on(s, done, {s.world.parameters.solver_iterations, enough, 1});
+  if (done.solved) return;
+  put_back(s, bodies);
+  done = {done.count, coarse.worst, true};
 }
 
 /// A few plain passes, then accelerated ones as long as they converge quickly, then direct solutions. Where these
@@ -190,7 +215,11 @@ Passes solve_rows(const Island& s) {
   if (done.solved) return done;
   const double enough = enough_for(s, planned);
   go_on(s, done, {p.solver_iterations, enough, quick ? 1 : kPlainPasses});
-  if (!done.solved) solve_softly(s, done, enough);
+  if (!done.solved) {
+    solve_softly(s, done, enough);
+  } else if (!planned && keeps_crowds_standing(p)) {
+    solve_to_stand(s, done);
+  }
   return done;
 }
 
@@ -280,9 +309,10 @@ void add_rows(Island& s) {
     SolvedTouch& solved = s.solved[k];
     if (!touch.fresh) {
       const PastTouch& last = s.world.memory.touches[touch.last];
-      solved.friction_W = last.friction_W;
+      const double side = side_of(s.world.parameters, touch);
+      solved.friction_W = side * last.friction_W;
       solved.twist = last.twist;
-      solved.roll = last.roll_W;
+      solved.roll = side * last.roll_W;
     }
     if (solved.rows == 0 || touch.sliding.kept == 1.0) continue;
     with_other(touch, [&]<Other other> { add_friction<other>(s, k); });

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/paths.h"
+#include "engine/rules.h"
 
 /// The contact points of two bodies within a step. Private to the engine.
 namespace headpin::engine::detail {
@@ -20,6 +21,11 @@ inline double fastest_approach(const World& world, const Flight& flight, BodyId 
 /// Where an impact turns one of them, more bodies are searched for.
 inline double reach(const World& world, const Flight& flight, BodyId a, BodyId b) {
   return kMargin + fastest_approach(world, flight, a, b) * step_seconds(world) + flight.fall;
+}
+
+/// Sign of the impulses on A of a touch among those that are stored for the next step (`PastTouch`).
+inline double side_of(const Parameters& p, const Touch& touch) {
+  return keeps_sides(p) && touch.a != first_of(touch.key) ? -1.0 : 1.0;
 }
 
 /// Whether a body cannot meet a half-space within the step, with some room for rounding.

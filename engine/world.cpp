@@ -238,23 +238,6 @@ void set_state(World& world, BodyId body, const State& state) {
   world.states[body].X_WB.q.normalize();
 }
 
-namespace {
-
-/// Of two free bodies A is the one with the smaller number, of a free and a driven one the free one. So where a body
-/// becomes free or driven, A of the last step may be B of the next. Friction of the last step is that on A.
-void exchange_sides(World& world, BodyId body) {
-  for (PastTouch& touch : world.memory.touches) {
-    const auto smaller = static_cast<BodyId>(touch.key >> 32 & 0x7fff'ffffu);
-    const auto other = static_cast<BodyId>(touch.key & 0xffff'ffffu);
-    const bool bounded = touch.key >> 63 != 0;
-    if (!bounded || smaller != body || world.bodies[other].kind != Kind::free) continue;
-    touch.friction_W = -touch.friction_W;
-    touch.roll_W = -touch.roll_W;
-  }
-}
-
-}  // namespace
-
 void set_kind(World& world, BodyId body, Kind kind) {
   check_number(world, body);
   const Kind now = world.bodies[body].kind;
@@ -264,7 +247,6 @@ void set_kind(World& world, BodyId body, Kind kind) {
   }
   wake_with_what_rests_on(world, body);
   detail::become(world, body, kind, false);
-  if (detail::exchanges_sides(world.parameters)) exchange_sides(world, body);
 }
 
 void wake(World& world, BodyId body) {

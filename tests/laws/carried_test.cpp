@@ -61,6 +61,71 @@ TEST(ALift, CarriesWhatStandsOnIt) {
   }
 }
 
+// A body that moves along the lift is faster than the lift would throw it.
+TEST(ALift, CarriesWhatMovesAlongIt) {
+  for (const double elasticity : {0.0, 0.7}) {
+    for (const int rate : {60, 240}) {
+      Carried c = on_plate({.rate_hz = rate, .response = "coulomb", .sleep = false}, elasticity);
+      const Body smooth = solid(test::box({0.1, 0.1, 0.1}), Material{elasticity, 0.0}, 2.0);
+      const Body ball = ball_body({elasticity, 0.5});
+      const Vec3 v(1.0, 0.0, 0.5);
+      const BodyId slides = add_body(c.world, smooth, at(Vec3(-1.0, -1.0, 0.1), v));
+      const BodyId rolls = add_body(c.world, ball, at(Vec3(-1.0, 1.0, kBallRadius), v));
+      c.world.states[rolls].w_WB.y() = v.x() / kBallRadius;
+      c.world.states[c.plate].v_WB.z() = v.z();
+      accelerate(c, Vec3::Zero(), 2.0);
+      EXPECT_NEAR(place_on_plate(c, slides).z(), 0.15, 1e-4) << elasticity << " " << rate;
+      EXPECT_NEAR(place_on_plate(c, rolls).z(), 0.05 + kBallRadius, 1e-4) << elasticity << rate;
+      for (const BodyId i : {slides, rolls}) {
+        EXPECT_NEAR(c.world.states[i].v_WB.x(), 1.0, 1e-3) << elasticity << " " << rate;
+        EXPECT_NEAR(c.world.states[i].v_WB.z(), 0.5, 1e-4) << elasticity << " " << rate;
+      }
+    }
+  }
+}
+
+// 48 bricks are a crowd. At 60 Hz its passes converge slowly.
+TEST(ALift, CarriesAWallOfBricks) {
+  for (const double elasticity : {0.0, 0.5}) {
+    Carried c = on_plate({.rate_hz = 60, .response = "coulomb", .sleep = false}, elasticity);
+    const Body brick = solid(test::box({0.1, 0.1, 0.05}), Material{elasticity, 0.7}, 1.0);
+    for (int k = 0; k < 48; ++k) {
+      const int course = k / 8;
+      const Vec3 p(0.2001 * (k % 8) + 0.1 * (course % 2) - 0.8, 0.0, 0.05 + 0.1 * course);
+      c.bodies.push_back(add_body(c.world, brick, at(p)));
+    }
+    accelerate(c, 0.1 * Vec3::UnitZ(), 0.5);
+    accelerate(c, Vec3::Zero(), 1.5);
+    for (const BodyId i : c.bodies) {
+      const double high = place_on_plate(c, i).z() - 0.05;  // a multiple of a course, to its middle
+      EXPECT_NEAR(std::remainder(high - 0.05, 0.1), 0.0, 1e-3) << elasticity << " " << i;
+      EXPECT_NEAR(c.world.states[i].v_WB.z(), 0.05, 1e-2) << elasticity << " " << i;
+    }
+  }
+}
+
+// Two layers of boxes before a slow plate: it moves them, and does not go into them.
+TEST(ASlowPlate, PushesACrowdAlong) {
+  World world = make_world({.rate_hz = 60, .response = "coulomb", .sleep = false});
+  add_body(world, floor_body({0.0, 0.5}));
+  Body plate = solid(test::box({0.05, 2.0, 0.3}), Material{0.0, 0.5}, 1.0);
+  plate.kind = Kind::driven;
+  const Vec3 v(0.05, 0.0, 0.0);
+  const BodyId pushes = add_body(world, plate, at(Vec3(-0.051, 0.0, 0.3), v));
+  const Body box = solid(test::box({0.1, 0.1, 0.1}), Material{0.0, 0.5}, 1.0);
+  for (int k = 0; k < 98; ++k) {
+    const int layer = k / 49, row = k / 7 % 7;
+    add_body(world, box,
+             at(Vec3(0.1 + 0.2 * row + 0.03 * layer, 0.2 * (k % 7 - 3) + 0.02 * layer,
+                     0.1 + 0.2 * layer)));
+  }
+  run(world, 1.0);
+  const double face = world.states[pushes].X_WB.p.x() + 0.05;
+  for (BodyId i = pushes + 1; i < world.bodies.size(); ++i) {
+    EXPECT_GT(world.states[i].X_WB.p.x() - 0.1, face - 1e-3) << i;
+  }
+}
+
 // Coulomb's friction of 0.81 carries what is accelerated by less than 0.81 g.
 TEST(ACart, TakesAlongWhatStandsOnIt) {
   for (const double elasticity : {0.0, 0.01}) {
