@@ -45,6 +45,15 @@ std::string mark(const Sheet& game, const std::string& what) {
                      game.frames.back().size() + 1);
 }
 
+/// The ball and the number of the skittle that touched; nothing for other bodies.
+std::optional<std::pair<std::string, int>> ball_and_skittle(const Event& event) {
+  if (event.bodies.size() != 2) return std::nullopt;
+  const std::size_t at = role_named(event.bodies[0]) == Role::ball ? 0 : 1;
+  const std::optional<int> number = skittle_number(event.bodies[1 - at]);
+  if (role_named(event.bodies[at]) != Role::ball || !number) return std::nullopt;
+  return std::pair(event.bodies[at], *number);
+}
+
 }  // namespace
 
 int skittles_in(const Event& event) {
@@ -170,7 +179,9 @@ void Score::add_to_throw(const Event& event) {
     return;
   }
   ThrowRow& row = throws.back();
-  if (event.kind == kind::first_contact && !row.entry) {
+  // Not of a ball in the hand, where that is a first contact too: it is none of the throw before.
+  const bool is_its = std::ranges::find(event.bodies, row.body) != event.bodies.end();
+  if (event.kind == kind::first_contact && !row.entry && is_its && !taken_again_) {
     row.entry = event.time;
     row.entry_speed = event.value;
     const auto* contact = event.detail.get_if<FirstContact>();
@@ -223,9 +234,27 @@ void Score::add_to_leave(const Event& event) {
   if (standing.empty() || rules_of(games.back().rules).full_rack) down_.clear();
 }
 
+/// Counts each pair once. The first contact of a throw may be with a skittle that the ball had touched before, in the
+/// hand or in an earlier throw.
+void Score::add_to_touches(const Event& event) {
+  constexpr std::size_t kMost = kMostSkittles;  // pairs to know; a damaged log may have any number
+  if (event.kind == kind::version || event.kind == kind::game || event.kind == kind::delivery) {
+    met_.clear();
+  }
+  if (event.kind == kind::ball_back && !event.bodies.empty()) {
+    std::erase_if(met_, [&](const auto& pair) { return pair.first == event.bodies.front(); });
+  }
+  const bool first = event.kind == kind::first_contact;
+  if (!first && event.kind != kind::touch) return;
+  const auto pair = ball_and_skittle(event);
+  const bool counted = first && pair && met_.contains(*pair);
+  touches += counted ? 0 : 1;
+  if (pair && met_.size() < kMost) met_.insert(*pair);
+}
+
 void Score::add(const Event& event, const Scenario& scenario) {
   if (event.kind == kind::version) version_ = event.detail.text();
-  touches += event.kind == kind::touch || event.kind == kind::first_contact;
+  add_to_touches(event);
   add_to_way(event);
   add_to_throw(event);  // it has the number of the next ball
   add_to_leave(event);

@@ -4,6 +4,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "scene/record/tables.h"
@@ -32,7 +33,7 @@ struct Score {
   /// Knocked down by balls; with games: those that the score sheets count.
   std::int64_t skittles_down = 0;
   std::int64_t felled_by_hand = 0;  ///< knocked down by the hand or what it carried
-  /// Pairs of bodies that touched, at least one of them a skittle.
+  /// Pairs of bodies that touched, at least one of them a skittle; each once until one of them is set up again.
   std::int64_t touches = 0;
   std::optional<double> release_speed;  ///< speed of the first ball at its release [m/s]
   std::optional<double> impact_speed;   ///< of the same ball just before its first skittle [m/s]
@@ -50,6 +51,7 @@ struct Score {
   void add_to_throw(const Event& event);
   void add_to_way(const Event& event);
   void add_to_leave(const Event& event);
+  void add_to_touches(const Event& event);
 
   /// The throw that is not counted yet, as the referee has it.
   struct Current {
@@ -67,8 +69,9 @@ struct Score {
   std::string version_;
   Current current_;
   std::optional<TakenBack> taken_back_;
-  std::set<std::string> down_;  ///< skittles counted since the rack was set
-  bool taken_again_ = false;    ///< the ball of the last throw is in the hand
+  std::set<std::string> down_;                 ///< skittles counted since the rack was set
+  bool taken_again_ = false;                   ///< the ball of the last throw is in the hand
+  std::set<std::pair<std::string, int>> met_;  ///< balls and skittles since they were set up
 };
 
 /// @param scenario  of the session

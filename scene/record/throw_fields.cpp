@@ -141,7 +141,8 @@ std::vector<TableField<ThrowRow>> throw_fields() {
               "samples of the hand that were left out because they disagree with their neighbours",
               [](const Row& r) { return maybe(r.left_out); }},
              {"entry_time_s", "number", "s",
-              "time at which the ball touched its first skittle; empty if it touched none",
+              "time at which the ball touched its first skittle, before it was taken up again; empty if it "
+              "touched none",
               [](const Row& r) { return maybe(r.entry); }},
              {"entry_speed_mps", "number", "m/s", "speed of the ball just before that",
               [](const Row& r) { return maybe(r.entry_speed); }},

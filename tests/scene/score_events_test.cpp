@@ -253,5 +253,49 @@ TEST(ScoreOfEvents, ABallThatIsTakenUpAgainTouchesNothingAsAThrow) {
   EXPECT_EQ(throws[1].felled_by_ball, 1);
 }
 
+// Where the hand's skittles are the ball's, its strike is a first contact: it became the entry of the throw before.
+TEST(ScoreOfEvents, AStrikeOfABallInTheHandIsNoEntryOfTheThrowBefore) {
+  for (const std::string taken : {"ball", "ball 2"}) {
+    Told told;
+    told.events.clear();  // without a game
+    told.at(10, kind::release, {"ball"}, 6.0).at(300, kind::grab, {taken});
+    told.at(320, kind::first_contact, {taken, "skittle 5"}, 1.0, FirstContact{Vec3(1.0, 0.0, 0.0)});
+    told.at(400, kind::release, {taken}, 3.0);
+    told.at(500, kind::first_contact, {"skittle 1", taken}, 2.0);
+    const Score found = score(told.events);
+    ASSERT_EQ(found.throws.size(), 2u);
+    EXPECT_FALSE(found.throws[0].entry) << taken;
+    EXPECT_FALSE(found.throws[0].entry_speed);
+    EXPECT_FALSE(found.throws[0].entry_angle_deg);
+    EXPECT_FALSE(found.impact_speed);
+    EXPECT_EQ(found.throws[1].entry, tick_time(500, kTickRate)) << taken;
+    EXPECT_EQ(found.throws[1].entry_speed, 2.0);
+  }
+}
+
+// A thrown ball strikes what it touched in the hand, or in a throw before: the pair had touched.
+TEST(ScoreOfEvents, APairThatTouchedBeforeAThrowIsCountedOnce) {
+  Told told;
+  const auto touches = [&] { return score(told.events).touches; };
+  told.at(10, kind::touch, {"ball", "skittle 1"}).at(20, kind::release);
+  told.at(30, kind::first_contact, {"skittle 1", "ball"});
+  EXPECT_EQ(touches(), 1);
+  told.at(40, kind::grab).at(50, kind::release).at(60, kind::first_contact, {"ball", "skittle 1"});
+  EXPECT_EQ(touches(), 1);
+  told.at(70, kind::first_contact, {"ball 2", "skittle 1"});
+  told.at(71, kind::first_contact, {"ball", "skittle 2"});
+  told.at(72, kind::touch, {"skittle 1", "skittle 2"});
+  EXPECT_EQ(touches(), 4) << "other pairs";
+  // Bodies that are set up again meet anew.
+  told.at(80, kind::ball_back).at(90, kind::first_contact, {"ball", "skittle 1"});
+  EXPECT_EQ(touches(), 5);
+  told.at(95, kind::first_contact, {"ball 2", "skittle 1"});
+  EXPECT_EQ(touches(), 5) << "the other ball was not set up";
+  told.counted(100).at(110, kind::first_contact, {"ball 2", "skittle 1"});
+  EXPECT_EQ(touches(), 6);
+  told.at(120, kind::version, {}).at(130, kind::first_contact, {"ball 2", "skittle 1"});
+  EXPECT_EQ(touches(), 7);
+}
+
 }  // namespace
 }  // namespace headpin::scene
