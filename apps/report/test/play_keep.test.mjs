@@ -93,6 +93,20 @@ test('a full disk is told, and the game can still be saved', async () => {
   // The saved game makes room for the next one in memory.
   await startGame(page);
   await until(page, () => /\(only its beginning\)/.test(document.getElementById('files-body').textContent));
+  // A page that knows nothing of that game says the same; with the log, all that tells of it is deleted.
+  const next = (await openGame(context, `${server.url}/room.html`)).page;
+  const listed = next.locator('#files li', { hasText: name });
+  assert.match(await listed.textContent(), /\(only its beginning\)/);
+  next.once('dialog', (dialog) => dialog.accept());
+  await listed.locator('button', { hasText: 'Delete' }).click();
+  await until(next, (gone) => !document.getElementById('files-body').textContent.includes(gone), name);
+  const left = await next.evaluate(async () => {
+    const folder = await (await navigator.storage.getDirectory()).getDirectoryHandle('headpin');
+    const names = [];
+    for await (const one of folder.keys()) names.push(one);
+    return names;
+  });
+  assert.deepEqual(left.filter((one) => one.startsWith(name)), []);
   await context.close();
 });
 

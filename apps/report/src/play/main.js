@@ -40,7 +40,7 @@ const megabytes = (bytes) => `${(bytes / 1e6).toFixed(1)} MB`;
 class Page {
   key = newKey();  // of this page, for the server
   inMemory = [];  // games that the browser has not stored: {name, log, saved}
-  cutShort = new Set();  // their names: of each, the list of files may have the beginning
+  cutShort = new Set();  // their names: of each, the list of files may have the beginning, also without a mark
 
   async open() {
     const json = await jsonBlock('play');
@@ -393,9 +393,9 @@ class Page {
     const mine = this.lists;
     const logs = await keptLogs();
     if (mine !== this.lists) return;
-    const rows = logs.map(({ name, file, playing }) => {
+    const rows = logs.map(({ name, file, playing, cut: marked }) => {
       const row = make('li', {}, `${name}, ${megabytes(file.size)} `);
-      const cut = this.cutShort.has(name);
+      const cut = marked || this.cutShort.has(name);
       if (cut) row.append(`(only its beginning${this.inMemory.some((game) => game.name === name) ? '; the whole game is above' : ''}) `);
       const saved = cut ? name.replace(/\.lcmlog$/, '-beginning.lcmlog') : name;
       if (playing) row.append('(is being played)');

@@ -1,7 +1,7 @@
 // Where a game's log is kept while it grows: the browser's own file system (OPFS), and memory.
 import { block } from '../data.js';
+import { kFolder, markOf } from './kept_names.js';
 
-const kFolder = 'headpin';
 const lockOf = (name) => `headpin ${name}`;
 
 async function folderOf(create) {
@@ -9,15 +9,16 @@ async function folderOf(create) {
   return root.getDirectoryHandle(kFolder, { create });
 }
 
-/** Logs that earlier pages left: [{name, file, playing}], the newest first. */
+/** Logs that earlier pages left: [{name, file, playing, cut}], the newest first; cut: the disk took only its beginning. */
 export async function keptLogs() {
   try {
     const held = (await navigator.locks.query()).held.map(({ name }) => name);
-    const all = [];
+    const files = new Map();
     for await (const [name, handle] of (await folderOf(true)).entries()) {
-      if (!name.endsWith('.lcmlog')) continue;
-      all.push({ name, file: await handle.getFile(), playing: held.includes(lockOf(name)) });
+      files.set(name, await handle.getFile().catch(() => null));  // another page may have removed it
     }
+    const all = [...files].filter(([name, file]) => file && name.endsWith('.lcmlog')).map(([name, file]) => (
+      { name, file, playing: held.includes(lockOf(name)), cut: files.get(markOf(name))?.size === 0 }));
     return all.sort((a, b) => (a.name < b.name ? 1 : -1));
   } catch {
     return [];  // there is no such file system
@@ -29,7 +30,9 @@ export async function removeLog(name) {
   await navigator.locks.request(lockOf(name), { ifAvailable: true }, async (lock) => {
     if (!lock) throw new Error('it is being played');
     try {
-      await (await folderOf(false)).removeEntry(name);
+      const folder = await folderOf(false);
+      await folder.removeEntry(name);
+      await folder.removeEntry(markOf(name)).catch(() => {});  // most have none
     } catch (error) {
       throw error.name === 'NotFoundError' ? new Error('it was not there any more') : error;
     }
@@ -146,7 +149,7 @@ export class Store {
 
   /** The whole log, once the disk has all of it or has failed. */
   async finish() {
-    if (!this.failed) await this.ask({ kind: 'close' }).catch((error) => this.fail(error));
+    if (!this.failed) await this.ask({ kind: 'close', name: this.name }).catch((error) => this.fail(error));
     await this.release().catch(() => {});  // where nothing can be stored there may be no locks
     return new Blob(this.pieces, { type: 'application/octet-stream' });
   }

@@ -1,35 +1,63 @@
 // Writes a game's log into the browser's own file system, each piece to the disk at once.
+import { kFolder, markOf } from './kept_names.js';
+
 const kFull = 'QuotaExceededError';  // some browsers throw it, others store less than they were given
 
+let folder = null;
 let handle = null;
+let mark = null;
 let at = 0;
+
+function writeAll(file, bytes, from) {
+  const written = file.write(bytes, { at: from });
+  if (written !== bytes.length) throw new DOMException(`${written} of ${bytes.length} bytes were stored`, kFull);
+  file.flush();
+}
+
+async function accessTo(name) {
+  const file = await folder.getFileHandle(name, { create: true });
+  return file.createSyncAccessHandle();
+}
 
 /** @return  whether the file has another game: nothing is added to it */
 async function open(name) {
   const root = await navigator.storage.getDirectory();
-  const folder = await root.getDirectoryHandle('headpin', { create: true });
-  const file = await folder.getFileHandle(name, { create: true });
-  handle = await file.createSyncAccessHandle();
+  folder = await root.getDirectoryHandle(kFolder, { create: true });
+  handle = await accessTo(name);
   const taken = handle.getSize() > 0;
-  if (taken) handle.close();
-  return taken;
+  if (taken) {
+    handle.close();
+    return true;
+  }
+  mark = await accessTo(markOf(name));
+  writeAll(mark, new Uint8Array(1), 0);
+  return false;
 }
 
 function write(piece) {
-  const written = handle.write(piece, { at });
-  if (written !== piece.length) {
+  try {
+    writeAll(handle, piece, at);
+  } catch (error) {
+    mark.truncate(0);  // this needs no room
+    mark.flush();
     handle.truncate(at);
-    throw new DOMException(`${written} of ${piece.length} bytes were stored`, kFull);
+    throw error;
   }
-  at += written;
-  handle.flush();
+  at += piece.length;
+}
+
+/** The log is whole: it needs no mark. */
+async function close(name) {
+  handle.close();
+  mark.close();
+  await folder.removeEntry(markOf(name)).catch(() => {});
 }
 
 self.onmessage = async ({ data: { id, kind, name, piece } }) => {
   try {
     const taken = kind === 'open' && await open(name);
     if (kind === 'write') write(piece);
-    if (kind === 'close') handle.close();
+    if (kind === 'close') await close(name);
     self.postMessage({ id, size: at, taken });
   } catch (error) {
     self.postMessage({ id, error: `${error.name}: ${error.message}`, full: error.name === kFull });
