@@ -435,8 +435,8 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"topics", "channels of messages that were written"},
     {"touched", "numbers of the skittles that a ball touched, in this order: 1-3-5-9"},
     {"touches",
-     "pairs of bodies that touched, at least one of them a skittle; each once until one of them is "
-     "set up again"},
+     "pairs of bodies that touched, at least one of them a skittle; each once until a ball is "
+     "counted or one of them is set up again"},
     {"trial", "file of the trial"},
     {"trigger_s", "time at which the trigger was released, as its device measured it"},
     {"trouble",

@@ -216,6 +216,7 @@ class Rows {
     for (; table_.next(); ++row) {
       const std::optional<double> time =
           columns_.latency ? latency() : static_cast<double>(row) / frame_.rate_hz;
+      if (time && !columns_.latency) table_.require_time("time by SamplingFrequency", *time);
       for (std::size_t i = 0; i < read_.tracks.size(); ++i) take(i, time);
     }
     tell_unturned(row);

@@ -163,10 +163,22 @@ void Score::add_to_game(const Event& event, const Scenario& scenario) {
   if (event.kind == kind::frame) game.frames.emplace_back();
 }
 
+/// The first contact of a thrown ball. That of a ball in the hand is none of the throw before.
+void Score::add_entry(const Event& event) {
+  const auto row = std::find_if(throws.rbegin(), throws.rend(), [&](const ThrowRow& t) {
+    return std::ranges::find(event.bodies, t.body) != event.bodies.end();
+  });
+  if (row == throws.rend() || row->entry || in_hand_.contains(row->body)) return;
+  row->entry = event.time;
+  row->entry_speed = event.value;
+  const auto* contact = event.detail.get_if<FirstContact>();
+  if (contact) row->entry_angle_deg = degrees_from_y(contact->v_WB);
+}
+
 void Score::add_to_throw(const Event& event) {
   if (event.kind == kind::release && is_of_ball(event)) {
     throws.push_back(thrown(event, version_));
-    taken_again_ = false;
+    in_hand_.erase(event.bodies.front());
     if (games.empty()) throws.back().felled_by_ball = throws.back().felled_by_hand = 0;
   }
   if (event.kind == kind::skittle_down && games.empty()) {
@@ -178,15 +190,8 @@ void Score::add_to_throw(const Event& event) {
     if (event.kind == kind::first_contact && !impact_speed) impact_speed = event.value;
     return;
   }
+  if (event.kind == kind::first_contact) add_entry(event);
   ThrowRow& row = throws.back();
-  // Not of a ball in the hand, where that is a first contact too: it is none of the throw before.
-  const bool is_its = std::ranges::find(event.bodies, row.body) != event.bodies.end();
-  if (event.kind == kind::first_contact && !row.entry && is_its && !taken_again_) {
-    row.entry = event.time;
-    row.entry_speed = event.value;
-    const auto* contact = event.detail.get_if<FirstContact>();
-    if (contact) row.entry_angle_deg = degrees_from_y(contact->v_WB);
-  }
   if (event.kind == kind::dead_wood) row.felled_by_hand = skittles_in(event);
   if (event.kind == kind::delivery && !games.empty() && row.frame == 0) {
     row.frame = static_cast<int>(games.back().frames.size());
@@ -203,14 +208,14 @@ void Score::add_to_throw(const Event& event) {
 void Score::add_to_way(const Event& event) {
   if (throws.empty()) return;
   ThrowRow& row = throws.back();
-  if (event.kind == kind::grab && is_of_ball(event) && event.bodies.front() == row.body) {
-    taken_again_ = true;
+  if (event.kind == kind::grab && is_of_ball(event) && in_hand_.size() < kMostSkittles) {
+    in_hand_.insert(event.bodies.front());
   }
   if (event.kind == kind::ball_path && !event.bodies.empty() && event.bodies.front() == row.body) {
     if (const auto* path = event.detail.get_if<BallPath>()) row.path = *path;
   }
   const bool met = event.kind == kind::touch || event.kind == kind::first_contact;
-  if (!met || taken_again_ || row.frame != 0 || event.bodies.size() != 2) return;
+  if (!met || in_hand_.contains(row.body) || row.frame != 0 || event.bodies.size() != 2) return;
   const bool is_first = event.bodies[0] == row.body;
   if (!is_first && event.bodies[1] != row.body) return;
   const std::optional<int> number = skittle_number(event.bodies[is_first ? 1 : 0]);

@@ -48,6 +48,7 @@ struct Score {
   void follow_ball(const Event& event, const Scenario& scenario, Sheet& game);
   void mark_foul(Sheet& game);
   void take_back(Sheet& game, Time now);
+  void add_entry(const Event& event);
   void add_to_throw(const Event& event);
   void add_to_way(const Event& event);
   void add_to_leave(const Event& event);
@@ -70,7 +71,7 @@ struct Score {
   Current current_;
   std::optional<TakenBack> taken_back_;
   std::set<std::string> down_;                 ///< skittles counted since the rack was set
-  bool taken_again_ = false;                   ///< the ball of the last throw is in the hand
+  std::set<std::string> in_hand_;              ///< balls that were taken up and not thrown since
   std::set<std::pair<std::string, int>> met_;  ///< balls and skittles since they were set up
 };
 

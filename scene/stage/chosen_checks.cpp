@@ -79,10 +79,11 @@ class ChosenChecker {
   }
 
   void check_ceiling() const {
+    constexpr double kRounding = 1e-9;  // [m]
     const double highest = s_.room.height - s_.version.radius;
     for (const auto& [key, z] : {std::pair{"version.red.button", s_.version.red.button.z()},
                                  std::pair{"version.blue.button", s_.version.blue.button.z()}}) {
-      if (z <= highest) continue;
+      if (z <= highest + kRounding) continue;
       refuse(key,
              fmt::format("must be below the ceiling at room.height: z at most {:.4g}, found {:.4g}",
                          highest, z),

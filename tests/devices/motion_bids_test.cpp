@@ -241,6 +241,8 @@ TEST(MotionBids, WithoutLatencyRowsComeAtTheSamplingFrequency) {
     EXPECT_THAT(complaint([&] { read(none); }), HasSubstr("x: no times: expected a LATENCY"))
         << none;
   }
+  EXPECT_EQ(complaint([&] { read(1e-300); }),
+            "x:2: time by SamplingFrequency: expected -1e10 to 1e10 s, found 1e+300");
 }
 
 TEST(MotionBids, ASampleWithAnyUnknownNumberIsLeftOut) {

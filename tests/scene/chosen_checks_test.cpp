@@ -72,6 +72,7 @@ TEST(ChosenCheck, ButtonsAreBelowTheCeiling) {
             "lane.toml:11: version.blue.button must be below the ceiling at room.height: z at most "
             "1.15, found 1.2");
   EXPECT_EQ(refusal(buttons_at(1.1, 1.15, 1.25)), "");
+  EXPECT_EQ(refusal(buttons_at(1.3, 1.1, 1.4)), "");  // 1.4 - 0.1 is less than 1.3
   // They are there only if the scenario has buttons.
   EXPECT_EQ(refusal("[version.red]\nbutton = [-0.55, 0, 50]\n"), "");
 }

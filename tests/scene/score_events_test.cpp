@@ -273,6 +273,23 @@ TEST(ScoreOfEvents, AStrikeOfABallInTheHandIsNoEntryOfTheThrowBefore) {
   }
 }
 
+// The ball of an earlier throw strikes after another one was thrown: it became the entry of the later throw.
+TEST(ScoreOfEvents, EachOfTwoBallsOnTheirWayHasItsOwnEntry) {
+  Told told;
+  told.events.clear();  // without a game
+  told.at(10, kind::release, {"ball"}, 6.0).at(50, kind::release, {"ball 2"}, 7.0);
+  told.at(100, kind::first_contact, {"ball", "skittle 5"}, 4.0);
+  told.at(110, kind::first_contact, {"ball 2", "skittle 1"}, 5.0);
+  told.at(200, kind::grab, {"ball 2"}).at(210, kind::first_contact, {"ball 2", "skittle 3"}, 1.0);
+  told.at(220, kind::release, {"ball"}, 3.0)
+      .at(230, kind::first_contact, {"ball 2", "skittle 2"}, 2.0);
+  const std::vector<ThrowRow> throws = score(told.events).throws;
+  ASSERT_EQ(throws.size(), 3u);
+  EXPECT_EQ(throws[0].entry_speed, 4.0);
+  EXPECT_EQ(throws[1].entry_speed, 5.0);
+  EXPECT_FALSE(throws[2].entry_speed);
+}
+
 // A thrown ball strikes what it touched in the hand, or in a throw before: the pair had touched.
 TEST(ScoreOfEvents, APairThatTouchedBeforeAThrowIsCountedOnce) {
   Told told;

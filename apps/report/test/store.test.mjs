@@ -54,12 +54,14 @@ let workers = 0;
 
 /** The worker of a page that keeps a game. @return  asks it */
 async function workerOf() {
-  globalThis.self = {};
+  const asked = new Map();
+  globalThis.self = { postMessage: (answer) => asked.get(answer.id)(answer) };
   await import(`../src/play/store_worker.js?${++workers}`);
   const { onmessage } = self;
   return (kind, piece) => new Promise((resolve) => {
-    self.postMessage = resolve;
-    onmessage({ data: { kind, name: 'game.lcmlog', piece } });
+    const id = asked.size;
+    asked.set(id, resolve);
+    onmessage({ data: { id, kind, name: 'game.lcmlog', piece } });
   });
 }
 
@@ -78,6 +80,18 @@ for (const throws of [false, true]) {
     assert.deepEqual(await listed(), [{ name: 'game.lcmlog', size: 60_000, cut: true }]);
     await removeLog('game.lcmlog');
     assert.deepEqual([...disk.files.keys()], []);
+  });
+
+  test(`a game that ends while the disk does not take its last pieces is only the beginning: it ${kind}`, async () => {
+    const disk = new Disk(100_000, throws);
+    const ask = await workerOf();
+    await ask('open');
+    await ask('write', new Uint8Array(60_000));
+    disk.room = 70_000;
+    // As the page does at the end of a game, it waits for no answer.
+    const answers = await Promise.all([ask('write', new Uint8Array(20_000)), ask('write', new Uint8Array(5_000)), ask('close')]);
+    assert.deepEqual(answers.map(({ full }) => full), [true, true, true]);
+    assert.deepEqual(await listed(), [{ name: 'game.lcmlog', size: 60_000, cut: true }]);
   });
 
   test(`a disk that is full from the first byte has the beginning of nothing: it ${kind}`, async () => {

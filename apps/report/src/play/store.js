@@ -15,6 +15,7 @@ export async function keptLogs() {
     const held = (await navigator.locks.query()).held.map(({ name }) => name);
     const files = new Map();
     for await (const [name, handle] of (await folderOf(true)).entries()) {
+      if (handle.kind === 'directory') continue;  // not ours
       files.set(name, await handle.getFile().catch(() => null));  // another page may have removed it
     }
     const all = [...files].filter(([name, file]) => file && name.endsWith('.lcmlog')).map(([name, file]) => (

@@ -7,6 +7,7 @@ let folder = null;
 let handle = null;
 let mark = null;
 let at = 0;
+let failed = null;  // why the disk took no more: nothing comes after that
 
 function writeAll(file, bytes, from) {
   const written = file.write(bytes, { at: from });
@@ -34,20 +35,31 @@ async function open(name) {
   return false;
 }
 
+/** This needs no room. */
+function cutAtLastPiece() {
+  try {
+    mark.truncate(0);
+    mark.flush();
+  } finally {
+    handle.truncate(at);
+  }
+}
+
 function write(piece) {
+  if (failed) throw failed;
   try {
     writeAll(handle, piece, at);
   } catch (error) {
-    mark.truncate(0);  // this needs no room
-    mark.flush();
-    handle.truncate(at);
-    throw error;
+    failed = error;
+    try { cutAtLastPiece(); } catch { /* the first error is told */ }
+    throw failed;
   }
   at += piece.length;
 }
 
-/** The log is whole: it needs no mark. */
+/** The log is whole: it needs no mark. The page asks for it before it knows what became of the last piece. */
 async function close(name) {
+  if (failed) throw failed;
   handle.close();
   mark.close();
   await folder.removeEntry(markOf(name)).catch(() => {});
