@@ -144,8 +144,8 @@ inline bool speeds_up_first(const Parameters& p) {
 
 // Since rules 17: lasting contacts that are carried, twisted or on each other.
 
-/// What a driven body alone holds goes along with it, however fast that is beside the body's own speed. Beside a
-/// fixed body, what it carries has the speed of a throw without elasticity: rounding makes no throw of it.
+/// What one driven body alone holds may move with it, at any speed. Elsewhere, what it carries has the speed of a throw
+/// without elasticity, and rounding makes no throw of it.
 inline bool knows_carried(const Parameters& p) {
   return p.rules >= 17;
 }

@@ -19,6 +19,23 @@ inline double throws_at(const World& world, const ContactPoint* points, const To
   return (1.0 + touch.pair.elasticity) * fastest;
 }
 
+/// The largest speed and energy per mass of some bodies.
+struct Fastest {
+  double speed = 0.0, energy = 0.0;
+
+  void note(const World& world, BodyId i, const State& state) {
+    speed = std::max(speed, state.v_WB.norm());
+    energy = std::max(energy, energy_per_mass(world, i, state));
+  }
+  /// Whether a body has more.
+  /// @param error  of its speed, where passes end before they are exact [m/s]
+  bool is_exceeded(const World& world, BodyId i, const State& state, double error) const {
+    if (state.v_WB.norm() > speed + error) return true;
+    const double most = error > 0.0 ? hoop_energy(std::sqrt(energy) + error) : energy;
+    return energy_per_mass(world, i, state) > most;
+  }
+};
+
 /// An island that driven bodies press. It may have no solution, because the driven bodies do not
 /// stop and something behind the island cannot give way.
 class Squeeze {
@@ -34,19 +51,15 @@ class Squeeze {
   /// Whether there is no solution, or a body gets more speed or energy than a throw would give it.
   bool is_found(const Passes& done) const {
     if (pressing_.empty()) return false;
-    if (!done.solved) return true;
-    double most = most_, most_energy = most_energy_;
-    if (const Parameters& p = s_.world.parameters; knows_carried(p)) {
-      const double error = 10.0 * p.solver_residual + 2.0 * done.worst;  // of passes
-      most += error;
-      most_energy = hoop_energy(std::sqrt(most_energy_) + error);
-    }
-    for (const auto& [i, before] : pressed_) {
-      const State& now = s_.world.states[i];
-      if (now.v_WB.norm() > most) return true;
-      if (energy_per_mass(s_.world, i, now) > most_energy) return true;
-    }
-    return false;
+    if (!done.solved && !carried_) return true;
+    const World& world = s_.world;
+    const double error = error_of(done);
+    return std::ranges::any_of(pressed_, [&](const auto& pressed) {
+      const BodyId i = pressed.first;
+      const State& now = world.states[i];
+      if (!most_.is_exceeded(world, i, now, error)) return false;
+      return !carried_ || most_beside_.is_exceeded(world, i, beside_driven(now), error);
+    });
   }
 
   /// Undoes the impulses, and stops the driven bodies until the island is solved again. They then
@@ -81,10 +94,10 @@ class Squeeze {
       if (touch.points == 0 || !touch.b_driven) continue;
       if (s_.flight.bodies[touch.b].top_speed == 0.0) continue;
       pressing_.emplace_back(touch.b, world.states[touch.b]);
-      most_ = std::max(most_, throws_at(world, s_.points, touch));
-      most_energy_ = hoop_energy(most_);
+      most_.speed = std::max(most_.speed, throws_at(world, s_.points, touch));
+      most_.energy = hoop_energy(most_.speed);
     }
-    if (knows_carried(world.parameters) && is_carried()) pressing_.clear();
+    carried_ = knows_carried(world.parameters) && is_carried();
     if (pressing_.empty()) return;
     for (const std::uint32_t k : s_.each) {
       const Touch& touch = s_.touches[k];
@@ -94,7 +107,7 @@ class Squeeze {
   }
 
   /// Whether one driven body alone holds the island. There is a solution then, as the island may move with that body as
-  /// if they were one; and contacts give no energy relative to it.
+  /// if they were one; and beside that body, contacts give no energy to the island as a whole.
   bool is_carried() const {
     if (pressing_.empty()) return false;
     const BodyId driven = pressing_.front().first;
@@ -104,16 +117,36 @@ class Squeeze {
     });
   }
 
+  /// A state as it is seen from the driven body.
+  State beside_driven(State state) const {
+    const State& driven = pressing_.front().second;
+    state.v_WB -= velocity_at(driven, state.X_WB.p - driven.X_WB.p);
+    state.w_WB -= driven.w_WB;
+    return state;
+  }
+
+  /// How much too fast a body may be because passes end before they are exact [m/s].
+  double error_of(const Passes& done) const {
+    const Parameters& p = s_.world.parameters;
+    if (!knows_carried(p)) return 0.0;
+    const double falls = p.gravity_W.norm() * step_seconds(s_.world);
+    return 10.0 * p.solver_residual + 2.0 * std::min(done.worst, 1e-2 * falls);
+  }
+
   void note(BodyId i) {
     const State& state = s_.world.states[i];
     pressed_.emplace_back(i, state);
-    most_ = std::max(most_, state.v_WB.norm());
-    most_energy_ = std::max(most_energy_, energy_per_mass(s_.world, i, state));
+    most_.note(s_.world, i, state);
+    if (!carried_) return;
+    most_beside_.note(s_.world, i, beside_driven(state));
+    most_beside_.energy = std::max(most_beside_.energy, hoop_energy(most_beside_.speed));
   }
 
   const Island& s_;
   std::vector<std::pair<BodyId, State>>&pressed_, &pressing_;
-  double most_ = 0.0, most_energy_ = 0.0;
+  Fastest most_;  ///< before the step, or by a throw
+  bool carried_ = false;
+  Fastest most_beside_;  ///< before the step, beside the driven body that carries the island
 };
 
 }  // namespace headpin::engine::detail

@@ -104,6 +104,33 @@ TEST(ALift, CarriesAWallOfBricks) {
   }
 }
 
+// A heavy free body has the energy to make a light one fast, which a hand presses on it beside the middle.
+TEST(BodyBetweenHandAndFreeAnvil, GainsNoMoreEnergyThanAHoopThatTheHandThrows) {
+  const Shape shapes[] = {test::box({0.1, 0.1, 0.1}), Cylinder{0.06, 0.1}};
+  for (int k = 0; k < 64; ++k) {
+    const double mass = k & 1 ? 1e4 : 100.0, elasticity = k & 2 ? 0.7 : 0.0;
+    const int rate = k & 4 ? 240 : 60;
+    const double speed = k & 8 ? 3.0 : 0.3, aside = k & 32 ? 0.04 : 0.015;
+    const Material smooth{elasticity, 0.0};
+    World world = make_world({.rate_hz = rate, .gravity_W = Vec3::Zero(), .response = "coulomb"});
+    add_body(world, solid(test::box({0.5, 0.5, 0.1}), smooth, mass), at(Vec3(0.0, 0.0, -0.1)));
+    const Body body = solid(shapes[k & 16 ? 1 : 0], smooth, 2.0);
+    const BodyId pressed = add_body(world, body, at(Vec3(0.0, 0.0, 0.1)));
+    Body hand = ball_body(smooth, 0.05, 1.0);
+    hand.kind = Kind::driven;
+    add_body(world, hand, at(Vec3(aside, 0.3 * aside, 0.253), Vec3(0.0, 0.0, -speed)));
+    double most = 0.0;  // energy per mass
+    for (double t = 0.0; t < std::min(0.4 / speed, 0.6); t += 1.0 / rate) {
+      step(world);
+      const State& s = world.states[pressed];
+      most = std::max(most, 0.5 * s.v_WB.squaredNorm() +
+                                turning_energy(world.inertias[pressed], s.X_WB.q, s.w_WB) / 2.0);
+    }
+    const double thrown = (1.0 + elasticity) * speed;
+    EXPECT_LT(most, 1.03 * thrown * thrown) << k;
+  }
+}
+
 // Two layers of boxes before a slow plate: it moves them, and does not go into them.
 TEST(ASlowPlate, PushesACrowdAlong) {
   World world = make_world({.rate_hz = 60, .response = "coulomb", .sleep = false});
