@@ -1,7 +1,10 @@
 # They take longest under sanitizers, and run code that shorter tests run too: `./dev check slow` runs them there.
 set(HEADPIN_LONG_UNDER_SANITIZERS
+  ACardHouse.OfFiveStoreysStandsInAnyOrderOfItsCards
   AFace.CarriesAsAHalfSpaceWhatIsFarFromItsEdges
+  ALift.CarriesAWallOfBricks
   ARack.FallsAlikeWhenItsSkittlesAreTurnedAndWhenItIsMirrored
+  ASlowPlate.PushesACrowdAlong
   ATrialOfRules4.ComesToTheHashesOfItsTimeAndToOthersUnderRules5
   Apart.ARowOfASweepTellsHowFarItIsFromItsTrial
   Apart.ASpeedCountsOnlyWhereBothAreInTheRangeOfItsThreshold
